@@ -1,0 +1,1 @@
+//! Pictures of baked meshes: a small deterministic Gouraud rasteriser on the CPU.

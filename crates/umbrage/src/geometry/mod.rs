@@ -1,0 +1,10 @@
+//! Planes, plane frames, convex polygons, clipping and exact predicates. Lengths are metres, in `f64`.
+
+pub mod clip;
+pub mod plane;
+pub mod polygon;
+pub mod predicate;
+pub mod tolerance;
+
+pub use plane::{Plane, PlaneFrame};
+pub use tolerance::Tolerance;

@@ -1,0 +1,76 @@
+//! Measures of polygons: area, centroid, perimeter, and how well shaped they are.
+
+use std::f64::consts::PI;
+
+use glam::{DVec2, DVec3};
+
+/// Twice the area of a plane polygon times its normal (Newell): robust for any simple polygon, zero for a degenerate
+/// one.
+pub fn doubled_area_vector(corners: &[DVec3]) -> DVec3 {
+    let Some(&first) = corners.first() else { return DVec3::ZERO };
+    corners.windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum()
+}
+
+/// Area of a plane polygon, in square metres.
+pub fn area_m2(corners: &[DVec3]) -> f64 {
+    0.5 * doubled_area_vector(corners).length()
+}
+
+/// Signed area of a polygon in a plane frame, positive where it is counter-clockwise, in square metres.
+pub fn signed_area_2d_m2(corners: &[DVec2]) -> f64 {
+    let Some(&first) = corners.first() else { return 0.0 };
+    0.5 * corners.windows(2).map(|pair| (pair[0] - first).perp_dot(pair[1] - first)).sum::<f64>()
+}
+
+/// Centroid of a convex polygon with area; the mean corner of one without.
+pub fn centroid(corners: &[DVec3]) -> DVec3 {
+    let mean = corners.iter().sum::<DVec3>() / corners.len() as f64;
+    let Some(&first) = corners.first() else { return DVec3::ZERO };
+    let (mut moment, mut weight) = (DVec3::ZERO, 0.0);
+    for pair in corners.windows(2) {
+        let doubled_area = (pair[0] - first).cross(pair[1] - first).length();
+        moment += doubled_area * (first + pair[0] + pair[1]);
+        weight += 3.0 * doubled_area;
+    }
+    if weight > 0.0 { moment / weight } else { mean }
+}
+
+/// Length of the boundary, in metres.
+pub fn perimeter_m(corners: &[DVec3]) -> f64 {
+    (0..corners.len()).map(|i| corners[i].distance(corners[(i + 1) % corners.len()])).sum()
+}
+
+/// How well shaped a polygon is: `4 pi A / P^2`, 1 for a circle, pi/4 for a square, towards 0 for a needle.
+pub fn compactness(area_m2: f64, perimeter_m: f64) -> f64 {
+    if perimeter_m > 0.0 { 4.0 * PI * area_m2 / (perimeter_m * perimeter_m) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rectangle(width: f64, height: f64) -> Vec<DVec3> {
+        [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)].map(|(x, y)| DVec3::new(x, y, 3.0)).to_vec()
+    }
+
+    #[test]
+    fn measures_of_a_rectangle() {
+        let corners = rectangle(4.0, 2.0);
+        assert_eq!(area_m2(&corners), 8.0);
+        assert_eq!(perimeter_m(&corners), 12.0);
+        assert_eq!(centroid(&corners), DVec3::new(2.0, 1.0, 3.0));
+    }
+
+    #[test]
+    fn a_square_is_well_shaped_and_a_needle_is_not() {
+        let square = rectangle(1.0, 1.0);
+        assert!((compactness(area_m2(&square), perimeter_m(&square)) - PI / 4.0).abs() < 1e-15);
+        let needle = rectangle(20.0, 1.0);
+        assert!(compactness(area_m2(&needle), perimeter_m(&needle)) < 0.15);
+    }
+
+    #[test]
+    fn the_centroid_of_a_line_is_its_mean() {
+        assert_eq!(centroid(&[DVec3::ZERO, DVec3::X, DVec3::X * 2.0]), DVec3::X);
+    }
+}

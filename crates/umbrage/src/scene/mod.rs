@@ -1,0 +1,13 @@
+//! What the user gave: surfaces, materials, lights and units, with no algorithm.
+//!
+//! Lengths are metres, colours linear RGB. Irradiance `E`, exitance `M` and radiosity `B = rho E + M` are W/m2;
+//! radiance `L = B / pi` is W/(m2 sr). A face is lit on its front, the side from which its corners run
+//! counter-clockwise; both sides always block light.
+
+pub mod cornell;
+mod material;
+#[expect(clippy::module_inception, reason = "the module's main type is named like the module")]
+mod scene;
+
+pub use material::{Material, Rgb};
+pub use scene::{Node, Scene, SceneError, Surface};

@@ -1,0 +1,207 @@
+//! The scene: nodes, materials, and the surfaces that join them.
+
+use glam::DVec3;
+
+use super::{Material, Rgb};
+use crate::id::{MaterialId, NodeId, SurfaceId, Table};
+
+/// A node of the scene's hierarchy. Surfaces are already in world space, so a node holds no transform.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Node {
+    /// Name, as in the file.
+    pub name: Option<String>,
+    /// The node that it hangs from; a parent comes before its children.
+    pub parent: Option<NodeId>,
+    /// Name of its mesh, as in the file.
+    pub mesh_name: Option<String>,
+}
+
+/// Polygons of one material under one node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// The node that it belongs to.
+    pub node: NodeId,
+    /// Its material.
+    pub material: MaterialId,
+    /// Corners in world space, in metres.
+    pub positions_m: Vec<DVec3>,
+    /// Simple plane polygons: indices into `positions_m`, counter-clockwise seen from the front.
+    pub polygons: Vec<Vec<u32>>,
+}
+
+/// A polygonal scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// Name, as in the file, or the file's.
+    pub name: String,
+    /// The hierarchy, parents before children.
+    pub nodes: Table<NodeId, Node>,
+    /// The materials.
+    pub materials: Table<MaterialId, Material>,
+    /// The surfaces.
+    pub surfaces: Table<SurfaceId, Surface>,
+}
+
+/// Why a scene cannot be baked. Places are named by the node's and the material's names and the polygon's number.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// There is no polygon at all.
+    #[error("the scene has no polygons: nothing can be baked")]
+    Empty,
+    /// No polygon emits light.
+    #[error("no surface emits light: give a material an emissive colour (glTF: emissiveFactor), else all is black")]
+    Lightless,
+    /// A coordinate is NaN or infinite.
+    #[error("{place}: corner {corner} is at {position}, which is not a finite point: export the mesh again")]
+    NotFinite {
+        /// Surface and polygon.
+        place: String,
+        /// Number of the corner in the polygon.
+        corner: usize,
+        /// Its coordinates.
+        position: DVec3,
+    },
+    /// A polygon refers to a corner that does not exist.
+    #[error("{place}: refers to corner {index}, but the surface has only {count}: export the mesh again")]
+    BadIndex {
+        /// Surface and polygon.
+        place: String,
+        /// The index that is too large.
+        index: u32,
+        /// How many corners there are.
+        count: usize,
+    },
+    /// A polygon has fewer than three corners.
+    #[error("{place}: has {count} corners, and a polygon needs three")]
+    TooFewCorners {
+        /// Surface and polygon.
+        place: String,
+        /// How many it has.
+        count: usize,
+    },
+    /// A material's colour is negative, NaN or infinite, or its reflectance above 1.
+    #[error("material {name:?}: {what} is {value}, and must be {bound}")]
+    BadMaterial {
+        /// The material's name.
+        name: String,
+        /// `reflectance` or `radiance`.
+        what: &'static str,
+        /// The colour.
+        value: Rgb,
+        /// What it must be.
+        bound: &'static str,
+    },
+}
+
+impl Scene {
+    /// How a message names polygon `polygon` of a surface.
+    pub fn place(&self, surface: SurfaceId, polygon: usize) -> String {
+        let s = &self.surfaces[surface];
+        let node = &self.nodes[s.node];
+        let node_name = node.name.as_deref().or(node.mesh_name.as_deref()).unwrap_or("unnamed");
+        format!("node {node_name:?}, material {:?}, polygon {polygon}", self.materials[s.material].name)
+    }
+
+    /// Number of polygons of all surfaces.
+    pub fn polygon_count(&self) -> usize {
+        self.surfaces.iter().map(|s| s.polygons.len()).sum()
+    }
+
+    /// The corners of a polygon.
+    pub fn corners_m(&self, surface: SurfaceId, polygon: usize) -> impl ExactSizeIterator<Item = DVec3> + '_ {
+        let s = &self.surfaces[surface];
+        s.polygons[polygon].iter().map(|&i| s.positions_m[i as usize])
+    }
+
+    /// Checks everything that later stages rely on.
+    ///
+    /// # Errors
+    /// A [`SceneError`] that names the first offender and how to mend it.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        if self.polygon_count() == 0 {
+            return Err(SceneError::Empty);
+        }
+        for m in &self.materials {
+            let bad = |what, value, bound| Err(SceneError::BadMaterial { name: m.name.clone(), what, value, bound });
+            if !(m.reflectance.is_finite() && m.reflectance.min_element() >= 0.0 && m.reflectance.max_element() <= 1.0)
+            {
+                return bad("reflectance", m.reflectance, "between 0 and 1");
+            }
+            if !(m.radiance.is_finite() && m.radiance.min_element() >= 0.0) {
+                return bad("radiance", m.radiance, "finite and not negative");
+            }
+        }
+        for (id, surface) in self.surfaces.iter_enumerated() {
+            for (number, polygon) in surface.polygons.iter().enumerate() {
+                let place = || self.place(id, number);
+                if polygon.len() < 3 {
+                    return Err(SceneError::TooFewCorners { place: place(), count: polygon.len() });
+                }
+                for (corner, &index) in polygon.iter().enumerate() {
+                    let Some(&position) = surface.positions_m.get(index as usize) else {
+                        return Err(SceneError::BadIndex { place: place(), index, count: surface.positions_m.len() });
+                    };
+                    if !position.is_finite() {
+                        return Err(SceneError::NotFinite { place: place(), corner, position });
+                    }
+                }
+            }
+        }
+        let lit = self.surfaces.iter().any(|s| !s.polygons.is_empty() && self.materials[s.material].emits());
+        if lit { Ok(()) } else { Err(SceneError::Lightless) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::cornell;
+    use super::*;
+
+    #[test]
+    fn the_cornell_box_is_valid() {
+        assert_eq!(cornell::cornell_box().validate(), Ok(()));
+    }
+
+    #[test]
+    fn an_empty_scene_is_refused() {
+        assert_eq!(Scene::default().validate(), Err(SceneError::Empty));
+    }
+
+    #[test]
+    fn a_lightless_scene_is_refused() {
+        let mut scene = cornell::cornell_box();
+        scene.materials.iter_mut().for_each(|m| m.radiance = Rgb::ZERO);
+        assert_eq!(scene.validate(), Err(SceneError::Lightless));
+    }
+
+    #[test]
+    fn a_nan_is_named_by_place_and_corner() {
+        let mut scene = cornell::cornell_box();
+        let first = SurfaceId::from(0);
+        let index = scene.surfaces[first].polygons[1][2] as usize;
+        scene.surfaces[first].positions_m[index].y = f64::NAN;
+        let message = scene.validate().unwrap_err().to_string();
+        assert!(message.contains("polygon 1") && message.contains("corner 2"), "{message}");
+    }
+
+    #[test]
+    fn a_dangling_index_is_named() {
+        let mut scene = cornell::cornell_box();
+        scene.surfaces[SurfaceId::from(0)].polygons[0][0] = 4_000_000;
+        assert!(matches!(scene.validate(), Err(SceneError::BadIndex { index: 4_000_000, .. })));
+    }
+
+    #[test]
+    fn a_line_is_no_polygon() {
+        let mut scene = cornell::cornell_box();
+        scene.surfaces[SurfaceId::from(0)].polygons[0].truncate(2);
+        assert!(matches!(scene.validate(), Err(SceneError::TooFewCorners { count: 2, .. })));
+    }
+
+    #[test]
+    fn reflectance_above_one_is_refused() {
+        let mut scene = cornell::cornell_box();
+        scene.materials[MaterialId::from(0)].reflectance = Rgb::splat(1.5);
+        assert!(matches!(scene.validate(), Err(SceneError::BadMaterial { what: "reflectance", .. })));
+    }
+}
