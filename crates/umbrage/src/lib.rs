@@ -19,4 +19,6 @@ pub mod scene;
 
 pub mod prepare;
 
+pub mod visibility;
+
 pub mod shade;
