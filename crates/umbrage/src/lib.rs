@@ -19,6 +19,8 @@ pub mod scene;
 
 pub mod prepare;
 
+pub mod visibility;
+
 pub mod discontinuity;
 
 pub mod mesh;

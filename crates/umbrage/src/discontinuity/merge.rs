@@ -17,7 +17,8 @@ pub(super) fn merge(mut segments: Vec<DSegment>, gap_m: f64) -> Vec<DSegment> {
 
 /// Unites the overlapping ones of collinear segments.
 fn unite(group: &[DSegment], gap_m: f64, merged: &mut Vec<DSegment>) {
-    let longest = group.iter().fold(&group[0], |best, next| if next.length_m() > best.length_m() { next } else { best });
+    let longest =
+        group.iter().fold(&group[0], |best, next| if next.length_m() > best.length_m() { next } else { best });
     let origin = longest.ends_m[0];
     let along = (longest.ends_m[1] - origin).normalize_or_zero();
     let mut intervals: Vec<([f64; 2], &DSegment)> = group
