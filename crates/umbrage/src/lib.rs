@@ -21,4 +21,6 @@ pub mod prepare;
 
 pub mod visibility;
 
+pub mod transport;
+
 pub mod shade;
