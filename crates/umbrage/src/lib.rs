@@ -25,4 +25,6 @@ pub mod discontinuity;
 
 pub mod mesh;
 
+pub mod transport;
+
 pub mod shade;

@@ -4,7 +4,6 @@
 //! across a contact (D0): there the value jumps, and each side has its own. The side is told by the patch that owns the
 //! corner, never by a coordinate. Where a contact ends or turns, the irradiance depends on the direction from which the
 //! vertex is approached, and every corner keeps a value of its own.
-//!
 
 use std::f64::consts::{PI, TAU};
 

@@ -4,9 +4,14 @@
 //! themselves do, with no sampling, so that an event that was missed elsewhere costs convergence and never a wrong
 //! value.
 
+mod beam;
 #[cfg(test)]
 pub(crate) mod fixture;
 mod index;
+mod project;
+mod ray;
+mod shadow;
 mod wedge;
 
+pub use beam::{Contours, ReceiverPoint, SourcePolygon, VisiblePart};
 pub use index::Visibility;
