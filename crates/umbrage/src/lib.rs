@@ -21,6 +21,10 @@ pub mod prepare;
 
 pub mod visibility;
 
+pub mod discontinuity;
+
+pub mod mesh;
+
 pub mod transport;
 
 pub mod shade;
