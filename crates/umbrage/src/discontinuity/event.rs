@@ -20,7 +20,7 @@ use crate::prepare::Prepared;
 use crate::visibility::Visibility;
 
 /// What the tracing of events reads.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(super) struct Surroundings<'a> {
     pub(super) prepared: &'a Prepared,
     pub(super) visibility: &'a Visibility,

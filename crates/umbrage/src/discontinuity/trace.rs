@@ -7,7 +7,7 @@
 //! A face that only touches the wedge's plane lets rays graze past; two that touch it from both sides at the same place
 //! are a ridge, and stop them.
 
-use super::wedge::{Crossing, Piece, Wedge};
+use super::wedge::{Crossing, Piece};
 use crate::id::FaceId;
 
 /// Pieces this close in nearness, relative to it, are at the same place.
