@@ -15,7 +15,7 @@ use super::sample::{self, Rule};
 use crate::id::PatchId;
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
-use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility, VisiblePart};
+use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility};
 
 /// A node of the hierarchy that links join: a patch.
 pub type Node = PatchId;
@@ -23,9 +23,9 @@ pub type Node = PatchId;
 /// Whether anything stands between the ends of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sight {
-    /// Nothing, at any point that was asked.
+    /// Nothing: the shaft between them is empty.
     Clear,
-    /// Something takes a part of the source from some point.
+    /// Perhaps something.
     Partial,
 }
 
@@ -143,36 +143,37 @@ impl End {
 /// The links between two nodes, one each way.
 pub(super) fn link_both_ways(prepared: &Prepared, visibility: &Visibility, mesh: &Mesh, pair: [Node; 2]) -> [Link; 2] {
     let [first, second] = pair.map(|node| End::new(prepared, mesh, node));
-    [link(visibility, &first, &second), link(visibility, &second, &first)]
-}
-
-fn link(visibility: &Visibility, receiver: &End, source: &End) -> Link {
-    let distance_m = receiver.centroid_m.distance(source.centroid_m);
-    let rule = sample::rule(receiver.radius_m, source.radius_m, distance_m);
-    let (mut form_factor, mut sight) = mean_factor(visibility, receiver, source, rule);
-    if sight == Sight::Partial && rule < Rule::Six {
-        (form_factor, sight) = mean_factor(visibility, receiver, source, Rule::Six);
-    }
-    Link { receiver: receiver.node, source: source.node, form_factor, sight }
+    let blocked = visibility.may_be_blocked(&first.polygon, &second.polygon);
+    let sight = if blocked { Sight::Partial } else { Sight::Clear };
+    let link = |receiver: &End, source: &End| Link {
+        receiver: receiver.node,
+        source: source.node,
+        form_factor: mean_factor(visibility, receiver, source, sight),
+        sight,
+    };
+    [link(&first, &second), link(&second, &first)]
 }
 
 /// The mean over the receiver's points of the visible factor to the source.
-fn mean_factor(visibility: &Visibility, receiver: &End, source: &End, rule: Rule) -> (f64, Sight) {
-    let (mut mean, mut sight) = (0.0, Sight::Clear);
-    let plane = receiver.polygon.oriented_plane;
-    for (point_m, weight) in sample::points(&receiver.polygon.corners_m, rule) {
-        let point =
-            ReceiverPoint { position_m: plane.project(point_m), normal: plane.normal, plane: receiver.polygon.plane };
-        let part = visibility.visible_part(&point, &source.polygon);
-        let hidden = match part {
-            VisiblePart::Whole(_) => false,
-            VisiblePart::Part(_) => true,
-            VisiblePart::Nothing => point_to_polygon(point.position_m, point.normal, &source.polygon.corners_m) > 0.0,
-        };
-        if hidden {
-            sight = Sight::Partial;
-        }
-        mean += weight * point_to_visible_part(point.position_m, point.normal, &part);
+fn mean_factor(visibility: &Visibility, receiver: &End, source: &End, sight: Sight) -> f64 {
+    let distance_m = receiver.centroid_m.distance(source.centroid_m);
+    let rule = sample::rule(receiver.radius_m, source.radius_m, distance_m);
+    let (plane, corners_m) = (receiver.polygon.oriented_plane, &receiver.polygon.corners_m);
+    match sight {
+        Sight::Clear => sample::points(corners_m, rule)
+            .into_iter()
+            .map(|(point_m, weight)| {
+                weight * point_to_polygon(plane.project(point_m), plane.normal, &source.polygon.corners_m)
+            })
+            .sum(),
+        Sight::Partial => sample::points(corners_m, rule.max(Rule::Six))
+            .into_iter()
+            .map(|(point_m, weight)| {
+                let position_m = plane.project(point_m);
+                let point = ReceiverPoint { position_m, normal: plane.normal, plane: receiver.polygon.plane };
+                let part = visibility.visible_part(&point, &source.polygon);
+                weight * point_to_visible_part(position_m, plane.normal, &part)
+            })
+            .sum(),
     }
-    (mean, sight)
 }
