@@ -27,4 +27,6 @@ pub mod mesh;
 
 pub mod transport;
 
+pub mod solve;
+
 pub mod shade;
