@@ -19,4 +19,8 @@ pub mod scene;
 
 pub mod prepare;
 
+pub mod discontinuity;
+
+pub mod mesh;
+
 pub mod shade;

@@ -172,6 +172,17 @@ impl Prepared {
         }
     }
 
+    /// The frame of a face's plane, oriented like the face: its corners run counter-clockwise in it.
+    pub fn face_frame(&self, face: FaceId) -> PlaneFrame {
+        let frame = self.planes[self.faces[face].plane];
+        match self.faces[face].facing {
+            Facing::Along => frame,
+            Facing::Against => {
+                PlaneFrame { plane: frame.plane.flipped(), origin: frame.origin, u: frame.v, v: frame.u }
+            }
+        }
+    }
+
     /// The unit normal of a face, towards its front.
     pub fn normal(&self, face: FaceId) -> DVec3 {
         self.oriented_plane(face).normal

@@ -1,0 +1,233 @@
+//! Wedges: the plane pencils of rays that an event sends out (paper, Fig. 2), and what faces are in them.
+//!
+//! A point of the wedge is `apex + a * rays[0] + b * rays[1]` with `a, b >= 0`. Its *direction* is `s = b / (a + b)`, 0
+//! to 1 from the first border ray to the second; its *nearness* is `n = 1 / (a + b)`, 1 on the line between the ray
+//! ends, infinite at the apex, 0 far away. A straight piece of a face is linear in `(s, n)`: the projective map makes
+//! visibility in the wedge a matter of intervals and straight lines.
+//!
+//! ```text
+//!   VE                                 EV
+//!   apex = source vertex               apex = occluder vertex
+//!     \     n > 1: hides the edge        source edge at n = 1 of the opposite wedge
+//!   ===+=== occluder edge, n = 1              \ | /
+//!     / \   n < 1: may receive                 apex
+//!                                             / | \   may receive
+//! ```
+
+use glam::{DVec2, DVec3};
+
+use crate::geometry::Plane;
+use crate::id::FaceId;
+use crate::prepare::Prepared;
+use crate::visibility::Visibility;
+
+/// A piece of a face narrower than this in direction is a point or radial: it hides nothing and receives nothing.
+const LEAST_WIDTH: f64 = 1e-9;
+/// A piece nearer to the apex than this share of the ray ends is cut off there: nearness stays finite.
+const NEAREST: f64 = 1e-7;
+
+/// A plane pencil of rays from `apex`, between two border rays.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wedge {
+    pub(super) apex: DVec3,
+    /// From the apex to the ends of the line where the nearness is 1.
+    pub(super) rays: [DVec3; 2],
+    /// The plane of the wedge.
+    pub(super) plane: Plane,
+}
+
+/// Which side of the wedge's plane a face lies on that only touches the plane, if so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Crossing {
+    /// The face lies on both sides.
+    Through,
+    /// The face touches the plane from its front.
+    Front,
+    /// The face touches the plane from its back.
+    Back,
+}
+
+/// A straight piece of a face in a wedge.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    pub(super) face: FaceId,
+    pub(super) crossing: Crossing,
+    /// Directions of its ends, ascending.
+    pub(super) s: [f64; 2],
+    /// Nearness at its ends.
+    pub(super) nearness: [f64; 2],
+}
+
+impl Piece {
+    /// Nearness in direction `s`.
+    pub(super) fn nearness_at(&self, s: f64) -> f64 {
+        let t = (s - self.s[0]) / (self.s[1] - self.s[0]);
+        self.nearness[0] + t * (self.nearness[1] - self.nearness[0])
+    }
+}
+
+impl Wedge {
+    /// The wedge from `apex` through the line between `ends`; `None` where they are in line.
+    pub(super) fn new(apex: DVec3, ends: [DVec3; 2], least_m: f64) -> Option<Self> {
+        let rays = ends.map(|end| end - apex);
+        let normal = rays[0].cross(rays[1]);
+        let height_m = normal.length() / rays[0].length().max(rays[1].length()).max(f64::MIN_POSITIVE);
+        if height_m <= least_m {
+            return None;
+        }
+        Some(Self { apex, rays, plane: Plane::through(apex, normal.normalize()) })
+    }
+
+    /// The wedge on the other side of the apex.
+    pub(super) fn opposite(&self) -> Self {
+        Self { rays: self.rays.map(|ray| -ray), ..*self }
+    }
+
+    /// The point in direction `s` with nearness `n`.
+    pub(super) fn point(&self, s: f64, n: f64) -> DVec3 {
+        self.apex + self.rays[0].lerp(self.rays[1], s) / n
+    }
+
+    /// Coefficients of `point` along the border rays.
+    fn coefficients(&self, point: DVec3) -> DVec2 {
+        let (d, [u, v]) = (point - self.apex, self.rays);
+        let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
+        let (du, dv) = (d.dot(u), d.dot(v));
+        DVec2::new(du * vv - dv * uv, dv * uu - du * uv) / (uu * vv - uv * uv)
+    }
+
+    /// The pieces of all faces in this wedge, as far as nearness `least_nearness`, without the faces `but`.
+    pub(super) fn pieces(
+        &self,
+        prepared: &Prepared,
+        visibility: &Visibility,
+        least_nearness: f64,
+        but: impl Fn(FaceId) -> bool,
+    ) -> Vec<Piece> {
+        let slack_m = prepared.tolerance.coplanar_m();
+        let [u, v] = self.rays;
+        // Half-spaces that bound the wedge in its plane: beyond each border ray, and beyond the farthest line.
+        let inward = [v - u * (u.dot(v) / u.dot(u)), u - v * (u.dot(v) / v.dot(v))];
+        let outward = (u + v) * (self.plane.normal.dot(u.cross(v)).signum());
+        let reach = if least_nearness > 0.0 {
+            u.dot(outward).max(v.dot(outward)) / least_nearness
+        } else {
+            f64::INFINITY
+        };
+        let keep = |lo: DVec3, hi: DVec3| {
+            let (centre, half) = (0.5 * (lo + hi) - self.apex, 0.5 * (hi - lo));
+            let most = |n: DVec3| n.dot(centre) + n.abs().dot(half) + n.length() * slack_m;
+            inward.iter().all(|&n| most(n) >= 0.0) && most(-outward) >= -reach
+        };
+        let faces = visibility.faces_meeting_plane(&self.plane, keep);
+        faces.into_iter().filter(|&face| !but(face)).filter_map(|face| self.piece(prepared, face)).collect()
+    }
+
+    /// The piece of a face in this wedge.
+    fn piece(&self, prepared: &Prepared, face: FaceId) -> Option<Piece> {
+        let slack_m = prepared.tolerance.coplanar_m();
+        let corners = prepared.polygon_m(face);
+        let heights_m: Vec<f64> = corners
+            .iter()
+            .map(|&corner| {
+                let height_m = self.plane.signed_distance_m(corner);
+                if height_m.abs() <= slack_m { 0.0 } else { height_m }
+            })
+            .collect();
+        let (mut above, mut below) = (false, false);
+        let mut ends: Vec<DVec3> = Vec::new();
+        for i in 0..corners.len() {
+            let j = (i + 1) % corners.len();
+            above |= heights_m[i] > 0.0;
+            below |= heights_m[i] < 0.0;
+            if heights_m[i] == 0.0 {
+                ends.push(corners[i]);
+            } else if heights_m[i] * heights_m[j] < 0.0 {
+                ends.push(corners[i].lerp(corners[j], heights_m[i] / (heights_m[i] - heights_m[j])));
+            }
+        }
+        let crossing = match (above, below) {
+            (true, true) => Crossing::Through,
+            (true, false) => Crossing::Front,
+            (false, true) => Crossing::Back,
+            // The face lies in the plane: rays only graze along it.
+            (false, false) => return None,
+        };
+        let ends = ends.iter().map(|&end| self.coefficients(end));
+        let first = ends.clone().min_by(|p, q| direction_order(*p).total_cmp(&direction_order(*q)))?;
+        let last = ends.max_by(|p, q| direction_order(*p).total_cmp(&direction_order(*q)))?;
+        clip_to_wedge([first, last]).map(|(s, nearness)| Piece { face, crossing, s, nearness })
+    }
+}
+
+/// Orders the ends of a straight piece from the first border ray to the second.
+fn direction_order(coefficients: DVec2) -> f64 {
+    coefficients.y - coefficients.x
+}
+
+/// The part of a straight piece, given by the coefficients of its ends, inside the wedge: directions ascending, and
+/// nearness, of its two ends.
+fn clip_to_wedge(ends: [DVec2; 2]) -> Option<([f64; 2], [f64; 2])> {
+    let (mut t0, mut t1) = (0.0_f64, 1.0_f64);
+    let bounds: [&dyn Fn(DVec2) -> f64; 3] = [&|p| p.x, &|p| p.y, &|p| p.x + p.y - NEAREST];
+    for bound in bounds {
+        let [from, to] = ends.map(bound);
+        if from < 0.0 && to < 0.0 {
+            return None;
+        }
+        if from < 0.0 {
+            t0 = t0.max(from / (from - to));
+        } else if to < 0.0 {
+            t1 = t1.min(from / (from - to));
+        }
+    }
+    if t0 >= t1 {
+        return None;
+    }
+    let cut = [t0, t1].map(|t| ends[0].lerp(ends[1], t));
+    let s = cut.map(|p| (p.y / (p.x + p.y)).clamp(0.0, 1.0));
+    let nearness = cut.map(|p| 1.0 / (p.x + p.y));
+    if (s[1] - s[0]).abs() <= LEAST_WIDTH {
+        None
+    } else if s[0] < s[1] {
+        Some((s, nearness))
+    } else {
+        Some(([s[1], s[0]], [nearness[1], nearness[0]]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn direction_and_nearness_of_a_point_round_trip() {
+        let wedge = Wedge::new(DVec3::ZERO, [DVec3::new(1.0, 2.0, 0.0), DVec3::new(-1.0, 2.0, 0.0)], 1e-9).unwrap();
+        let point = wedge.point(0.25, 0.5);
+        assert_eq!(point, DVec3::new(1.0, 4.0, 0.0));
+        let c = wedge.coefficients(point);
+        assert!((c.y / (c.x + c.y) - 0.25).abs() < 1e-15 && (1.0 / (c.x + c.y) - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_wedge_in_line_is_none() {
+        assert!(Wedge::new(DVec3::ZERO, [DVec3::X, DVec3::X * 2.0], 1e-9).is_none());
+    }
+
+    #[test]
+    fn a_straight_piece_is_linear_in_direction_and_nearness() {
+        let (s, n) = clip_to_wedge([DVec2::new(3.0, 1.0), DVec2::new(1.0, 2.0)]).unwrap();
+        let middle = DVec2::new(2.0, 1.5);
+        let piece = Piece { face: FaceId::from(0), crossing: Crossing::Through, s, nearness: n };
+        let direction = middle.y / (middle.x + middle.y);
+        assert!((piece.nearness_at(direction) - 1.0 / 3.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn pieces_are_cut_at_the_border_rays_and_radial_ones_vanish() {
+        let (s, _) = clip_to_wedge([DVec2::new(3.0, -1.0), DVec2::new(-1.0, 3.0)]).unwrap();
+        assert_eq!(s, [0.0, 1.0]);
+        assert!(clip_to_wedge([DVec2::new(1.0, 1.0), DVec2::new(2.0, 2.0)]).is_none());
+        assert!(clip_to_wedge([DVec2::new(-1.0, 1.0), DVec2::new(-2.0, 2.0)]).is_none());
+    }
+}

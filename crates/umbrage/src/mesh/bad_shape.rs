@@ -1,0 +1,42 @@
+//! Point split-hints put into very badly shaped patches: the next step that the paper's last section announces.
+//!
+//! A long rectangle offers `point_split` nothing but diagonals, a needle offers `triangle_split` only slimmer needles.
+//! Points in the middle of the long edges offer the short cross-cut, and the parts become well shaped step by step.
+
+use super::Mesh;
+use crate::geometry::polygon;
+use crate::id::{EdgeId, PatchId, VertexId};
+
+/// A patch less compact than this is very badly shaped: a rectangle of more than 4 : 1, a triangle of more than 3 : 1.
+const BADLY_SHAPED: f64 = 0.5;
+/// An edge longer than this share of the longest gets a point.
+const LONG: f64 = 0.6;
+
+impl Mesh {
+    /// Splits a leaf edge in its middle.
+    pub(super) fn split_at_middle(&mut self, leaf: EdgeId) -> VertexId {
+        let [first, last] = self.edges.ends(leaf).map(|vertex| self.vertex_m(vertex));
+        self.split_edge(leaf, first.midpoint(last))
+    }
+
+    /// Puts point hints into the long edges of a very badly shaped patch that has none there yet.
+    pub(super) fn add_point_hints(&mut self, patch: PatchId) {
+        if self.compactness(patch) >= BADLY_SHAPED {
+            return;
+        }
+        let corners = self.polygon_m(patch);
+        let longest_m =
+            (0..corners.len()).map(|i| corners[i].distance(corners[(i + 1) % corners.len()])).fold(0.0, f64::max);
+        // Cross-cuts much narrower than the patch is long are worth a point; a patch of even sides is only sharp.
+        let width_m = 2.0 * polygon::area_m2(&corners) / polygon::perimeter_m(&corners);
+        if longest_m <= 2.0 * width_m.max(self.least_edge_m) {
+            return;
+        }
+        for point in self.boundary(patch) {
+            let [first, last] = self.edges.ends(point.leaf.edge).map(|vertex| self.vertex_m(vertex));
+            if first.distance(last) > LONG * longest_m {
+                self.split_at_middle(point.leaf.edge);
+            }
+        }
+    }
+}

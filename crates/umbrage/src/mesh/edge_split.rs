@@ -1,0 +1,110 @@
+//! `edge_split` (paper, section 6): splits a patch along its edge split-hint of highest priority.
+//!
+//! The hint is prolonged to a chord where it ends inside the patch. An end of the chord that falls next to a boundary
+//! point snaps to it, as far as the shadow may be moved without being seen; one of degree 0 moves only by rounding.
+//! Otherwise the boundary edge is split there, which is the point split-hint of the neighbours along it.
+//!
+//! Before: the patch is a leaf with an edge hint. After: it is split, with at most two new vertices; or the hint turned
+//! out to run along one side, and is gone.
+
+use glam::{DVec2, DVec3};
+
+use super::patch::{BoundaryPoint, Cut, on_one_side};
+use super::{EdgeHint, Mesh};
+use crate::discontinuity::Degree;
+use crate::geometry::clip;
+use crate::id::PatchId;
+
+/// How far a d-segment of degree 1 may be moved, as a share of the square root of the patch's area.
+const D1_SNAP: f64 = 0.04;
+/// The same for degree 2, where only the curvature jumps.
+const D2_SNAP: f64 = 0.08;
+
+/// Where the end of a chord meets the boundary.
+#[derive(Clone, Copy, Debug)]
+enum End {
+    /// At this boundary point.
+    Point(BoundaryPoint),
+    /// Inside the leaf edge after this boundary point.
+    Inside(BoundaryPoint, DVec3),
+}
+
+impl End {
+    /// For the test whether two ends lie on one side: a point inside an edge is a point of that edge's side alone.
+    fn place(&self) -> BoundaryPoint {
+        match *self {
+            Self::Point(point) => point,
+            Self::Inside(before, _) => BoundaryPoint { corner: false, ..before },
+        }
+    }
+}
+
+impl Mesh {
+    /// How far a d-segment may be moved in this patch, in metres.
+    pub(super) fn along_m(&self, patch: PatchId, degree: Degree) -> f64 {
+        let size_m = self.patches[patch].area_m2.max(0.0).sqrt();
+        match degree {
+            Degree::D0 => self.least_edge_m,
+            Degree::D1 => self.least_edge_m.max(D1_SNAP * size_m),
+            Degree::D2 => self.least_edge_m.max(D2_SNAP * size_m),
+        }
+    }
+
+    /// Splits a leaf along its first edge hint. False where the hint runs along one side: it is then dropped.
+    pub(super) fn edge_split(&mut self, patch: PatchId) -> bool {
+        let hint = self.patches[patch].edge_hints.remove(0);
+        let Some(ends) = self.chord_of(patch, &hint) else { return false };
+        if on_one_side(&ends[0].place(), &ends[1].place(), self.patches[patch].sides.len()) {
+            return false;
+        }
+        let vertices = ends.map(|end| match end {
+            End::Point(point) => point.vertex,
+            End::Inside(before, at) => self.split_edge(before.leaf.edge, at),
+        });
+        let boundary = self.boundary(patch);
+        let [Some(from), Some(to)] = vertices.map(|vertex| boundary.iter().find(|point| point.vertex == vertex)) else {
+            unreachable!("the ends of a chord are boundary points of {patch:?}")
+        };
+        self.split_between(patch, from, to, Cut::EdgeHint(hint.d_segment));
+        true
+    }
+
+    /// The two places where the prolonged hint meets the boundary of the patch.
+    fn chord_of(&self, patch: PatchId, hint: &EdgeHint) -> Option<[End; 2]> {
+        let [from, to] = hint.ends_m;
+        let line = (f64::NEG_INFINITY, f64::INFINITY);
+        let (t0, t1) = clip::line_in_convex(from, to, &self.polygon_2d_m(patch), line)?;
+        let snap_m = self.along_m(patch, hint.degree);
+        let boundary = self.boundary(patch);
+        let frame = self.frame(self.patches[patch].face);
+        let corners_m: Vec<DVec2> = boundary.iter().map(|p| frame.to_2d(self.vertex_m(p.vertex))).collect();
+        Some([t0, t1].map(|t| self.end_at(from.lerp(to, t), &boundary, &corners_m, snap_m)))
+    }
+
+    /// The boundary point next to `at`, or else the place inside the leaf edge that `at` lies on.
+    fn end_at(&self, at: DVec2, boundary: &[BoundaryPoint], corners_m: &[DVec2], snap_m: f64) -> End {
+        let n = boundary.len();
+        let nearest = |distance: &dyn Fn(usize) -> f64| {
+            (0..n).map(|i| (distance(i), i)).min_by(|p, q| p.0.total_cmp(&q.0)).unwrap_or((f64::INFINITY, 0))
+        };
+        let (distance_m, i) = nearest(&|i| corners_m[i].distance(at));
+        if distance_m <= snap_m {
+            return End::Point(boundary[i]);
+        }
+        let foot = |i: usize| {
+            let (p, q) = (corners_m[i], corners_m[(i + 1) % n]);
+            let t = ((at - p).dot(q - p) / (q - p).length_squared()).clamp(0.0, 1.0);
+            (t, p.lerp(q, t).distance(at))
+        };
+        let (_, i) = nearest(&|i| foot(i).1);
+        let ends = [boundary[i].vertex, boundary[(i + 1) % n].vertex].map(|vertex| self.vertex_m(vertex));
+        let point = ends[0].lerp(ends[1], foot(i).0);
+        if point.distance(ends[0]) < self.least_edge_m {
+            End::Point(boundary[i])
+        } else if point.distance(ends[1]) < self.least_edge_m {
+            End::Point(boundary[(i + 1) % n])
+        } else {
+            End::Inside(boundary[i], point)
+        }
+    }
+}

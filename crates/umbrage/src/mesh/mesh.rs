@@ -1,0 +1,294 @@
+//! The mesh: vertices, edge trees and patch trees over the prepared faces.
+//!
+//! A split adds vertices, edges and two patches; it never touches a neighbour. The leaves of the patch trees cover the
+//! faces, and since every leaf reads its boundary down to the leaves of shared edges, they conform: a T-vertex cannot
+//! be made, whatever rounding does to coordinates.
+
+use glam::{DVec2, DVec3};
+use smallvec::SmallVec;
+
+use super::patch::{BoundaryPoint, Cut, Patch};
+use super::{EdgeHint, EdgeTrees, SplitScore};
+use crate::discontinuity::{DSegment, Degree};
+use crate::geometry::{PlaneFrame, polygon};
+use crate::id::{DSegmentId, EdgeId, FaceId, PatchId, Table, VertexId};
+use crate::prepare::{DirectedEdge, Prepared, Side};
+
+/// How patches are split.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshSettings {
+    /// What `point_split` minimises.
+    pub score: SplitScore,
+    /// Whether badly shaped patches get point split-hints (the paper's announced next step).
+    pub mend_bad_shapes: bool,
+}
+
+impl Default for MeshSettings {
+    fn default() -> Self {
+        Self { score: SplitScore::default(), mend_bad_shapes: true }
+    }
+}
+
+/// Vertices, edge trees and patch trees.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    pub(super) settings: MeshSettings,
+    /// No edge becomes shorter than this, in metres.
+    pub(super) least_edge_m: f64,
+    pub(super) vertices_m: Table<VertexId, DVec3>,
+    pub(super) edges: EdgeTrees,
+    pub(super) patches: Table<PatchId, Patch>,
+    frames: Table<FaceId, PlaneFrame>,
+}
+
+/// A broken promise of [`Mesh`]: always a defect of this library.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MeshError {
+    /// The boundary of a patch is not a closed loop.
+    #[error("{0:?} has a boundary that is not closed")]
+    OpenBoundary(PatchId),
+    /// Two subpatches do not cover their patch.
+    #[error("{patch:?} of {area_m2} m2 has subpatches of {parts_m2:?} m2")]
+    AreaLost {
+        /// The patch.
+        patch: PatchId,
+        /// Its area.
+        area_m2: f64,
+        /// Areas of the subpatches.
+        parts_m2: [f64; 2],
+    },
+    /// An edge is shorter than allowed.
+    #[error("{0:?} is shorter than the weld distance")]
+    ShortEdge(EdgeId),
+}
+
+impl Mesh {
+    /// A patch for each face, with the d-segments as its edge split-hints. Root patches have the numbers of their
+    /// faces.
+    pub fn new(prepared: &Prepared, d_segments: &Table<DSegmentId, DSegment>, settings: MeshSettings) -> Self {
+        let mut edges = EdgeTrees::default();
+        prepared.edges.iter().for_each(|edge| {
+            edges.push(edge.ends);
+        });
+        let mut mesh = Self {
+            settings,
+            least_edge_m: prepared.tolerance.weld_m(),
+            vertices_m: prepared.vertices_m.clone(),
+            edges,
+            patches: Table::with_capacity(prepared.faces.len()),
+            frames: prepared.faces.keys().map(|face| prepared.face_frame(face)).collect(),
+        };
+        for (id, face) in prepared.faces.iter_enumerated() {
+            mesh.push_patch(id, None, face.sides.iter().cloned().collect(), prepared.normal(id));
+        }
+        mesh.store_hints(d_segments);
+        mesh
+    }
+
+    /// Stores each d-segment as an edge split-hint of its face's patch.
+    fn store_hints(&mut self, d_segments: &Table<DSegmentId, DSegment>) {
+        for (d_segment, segment) in d_segments.iter_enumerated() {
+            let root = self.root(segment.face);
+            let frame = self.frames[segment.face];
+            let ends_m = segment.ends_m.map(|end| frame.to_2d(end));
+            let hint = EdgeHint { d_segment, degree: segment.degree, strength: segment.strength, ends_m };
+            let (corners, along_m) = (self.polygon_2d_m(root), self.along_m(root, segment.degree));
+            let clipped = hint.clipped(&corners, self.least_edge_m, along_m);
+            self.patches[root].edge_hints.extend(clipped);
+        }
+        self.patches.iter_mut().for_each(|patch| patch.edge_hints.sort_by(EdgeHint::by_priority));
+    }
+
+    /// The patch that is the whole face.
+    pub fn root(&self, face: FaceId) -> PatchId {
+        PatchId::from(face.index())
+    }
+
+    /// A patch.
+    pub fn patch(&self, patch: PatchId) -> &Patch {
+        &self.patches[patch]
+    }
+
+    /// All patches, split ones included.
+    pub fn patches(&self) -> impl Iterator<Item = (PatchId, &Patch)> {
+        self.patches.iter_enumerated()
+    }
+
+    /// Number of patches, split ones included.
+    pub fn patch_count(&self) -> usize {
+        self.patches.len()
+    }
+
+    /// Patches that are not split, in the order of their ids.
+    pub fn leaves(&self) -> impl Iterator<Item = PatchId> + '_ {
+        self.patches.iter_enumerated().filter(|(_, patch)| patch.subpatches.is_none()).map(|(id, _)| id)
+    }
+
+    /// A vertex, relative to the prepared scene's origin, in metres.
+    pub fn vertex_m(&self, vertex: VertexId) -> DVec3 {
+        self.vertices_m[vertex]
+    }
+
+    /// Number of vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.vertices_m.len()
+    }
+
+    /// The edge trees.
+    pub fn edges(&self) -> &EdgeTrees {
+        &self.edges
+    }
+
+    /// The frame of a face, oriented like it: counter-clockwise seen from the front.
+    pub fn frame(&self, face: FaceId) -> &PlaneFrame {
+        &self.frames[face]
+    }
+
+    /// The corners of a patch, counter-clockwise seen from the front, in metres.
+    pub fn polygon_m(&self, patch: PatchId) -> Vec<DVec3> {
+        self.patches[patch].sides.iter().map(|side| self.vertices_m[self.edges.start(side[0])]).collect()
+    }
+
+    /// The corners of a patch in the frame of its face, counter-clockwise, in metres.
+    pub fn polygon_2d_m(&self, patch: PatchId) -> Vec<DVec2> {
+        let frame = &self.frames[self.patches[patch].face];
+        let sides = &self.patches[patch].sides;
+        sides.iter().map(|side| frame.to_2d(self.vertices_m[self.edges.start(side[0])])).collect()
+    }
+
+    /// The boundary points of a patch in order, those that neighbours made included.
+    pub fn boundary(&self, patch: PatchId) -> Vec<BoundaryPoint> {
+        let mut points = Vec::new();
+        let mut leaves = Vec::new();
+        for (side, run) in self.patches[patch].sides.iter().enumerate() {
+            leaves.clear();
+            run.iter().for_each(|&edge| self.edges.leaves(edge, &mut leaves));
+            points.extend(leaves.iter().enumerate().map(|(i, &leaf)| BoundaryPoint {
+                vertex: self.edges.start(leaf),
+                leaf,
+                side,
+                corner: i == 0,
+            }));
+        }
+        points
+    }
+
+    /// The point split-hints of a patch: boundary points that it did not make.
+    pub fn point_hints(&self, patch: PatchId) -> Vec<VertexId> {
+        let own: Vec<VertexId> =
+            self.patches[patch].sides.iter().flatten().map(|&edge| self.edges.start(edge)).collect();
+        self.boundary(patch).iter().map(|point| point.vertex).filter(|vertex| !own.contains(vertex)).collect()
+    }
+
+    /// Whether a patch still holds an edge split-hint of degree 0.
+    pub fn has_d0_hint(&self, patch: PatchId) -> bool {
+        self.patches[patch].edge_hints.first().is_some_and(|hint| hint.degree == Degree::D0)
+    }
+
+    /// How well shaped a patch is: see [`polygon::compactness`].
+    pub fn compactness(&self, patch: PatchId) -> f64 {
+        polygon::compactness(self.patches[patch].area_m2, polygon::perimeter_m(&self.polygon_m(patch)))
+    }
+
+    fn push_patch(
+        &mut self,
+        face: FaceId,
+        parent: Option<PatchId>,
+        sides: SmallVec<[Side; 4]>,
+        normal: DVec3,
+    ) -> PatchId {
+        let corners: Vec<DVec3> = sides.iter().map(|side| self.vertices_m[self.edges.start(side[0])]).collect();
+        self.patches.push_and_get_key(Patch {
+            face,
+            parent,
+            subpatches: None,
+            cut: None,
+            area_m2: 0.5 * polygon::doubled_area_vector(&corners).dot(normal),
+            centroid_m: polygon::centroid(&corners),
+            sides,
+            edge_hints: Vec::new(),
+        })
+    }
+
+    /// Splits a leaf edge at `point`, rounded to `f32`; every patch along the edge sees the new vertex from now on.
+    pub(super) fn split_edge(&mut self, leaf: EdgeId, point: DVec3) -> VertexId {
+        let vertex = self.vertices_m.push_and_get_key(point.as_vec3().as_dvec3());
+        self.edges.split(leaf, vertex);
+        vertex
+    }
+
+    /// Splits `patch` by the chord between two of its boundary points that do not lie on one side.
+    pub(super) fn split_between(&mut self, patch: PatchId, from: &BoundaryPoint, to: &BoundaryPoint, cut: Cut) {
+        let chord = self.edges.push([from.vertex, to.vertex]);
+        let chord = DirectedEdge { edge: chord, reversed: false };
+        let face = self.patches[patch].face;
+        let normal = self.frames[face].plane.normal;
+        let first = self.sides_between(patch, from, to, chord.opposite());
+        let second = self.sides_between(patch, to, from, chord);
+        let subpatches = [first, second].map(|sides| self.push_patch(face, Some(patch), sides, normal));
+        self.hand_down_hints(patch, subpatches);
+        self.patches[patch].subpatches = Some(subpatches);
+        self.patches[patch].cut = Some(cut);
+    }
+
+    /// The sides from one boundary point counter-clockwise to another, closed by `chord`.
+    fn sides_between(
+        &self,
+        patch: PatchId,
+        from: &BoundaryPoint,
+        to: &BoundaryPoint,
+        chord: DirectedEdge,
+    ) -> SmallVec<[Side; 4]> {
+        let sides = &self.patches[patch].sides;
+        let mut result = SmallVec::new();
+        result.push(self.edges.cut_side(&sides[from.side], from.vertex).1);
+        let mut side = (from.side + 1) % sides.len();
+        while side != to.side {
+            result.push(sides[side].clone());
+            side = (side + 1) % sides.len();
+        }
+        if !to.corner {
+            result.push(self.edges.cut_side(&sides[to.side], to.vertex).0);
+        }
+        result.push(Side::from_elem(chord, 1));
+        result
+    }
+
+    /// Clips the hints of a patch into its subpatches, and drops those that the cut has satisfied.
+    fn hand_down_hints(&mut self, patch: PatchId, subpatches: [PatchId; 2]) {
+        let hints = std::mem::take(&mut self.patches[patch].edge_hints);
+        for subpatch in subpatches {
+            let corners = self.polygon_2d_m(subpatch);
+            let along_m = [Degree::D0, Degree::D1, Degree::D2].map(|degree| self.along_m(subpatch, degree));
+            let clip = |hint: &EdgeHint| hint.clipped(&corners, self.least_edge_m, along_m[hint.degree.number()]);
+            let mut kept: Vec<EdgeHint> = hints.iter().filter_map(clip).collect();
+            kept.sort_by(EdgeHint::by_priority);
+            self.patches[subpatch].edge_hints = kept;
+        }
+    }
+
+    /// Checks what the heads of `mesh` and `patch` promise.
+    ///
+    /// # Errors
+    /// The first broken promise.
+    pub fn validate(&self) -> Result<(), MeshError> {
+        for (id, patch) in self.patches.iter_enumerated() {
+            let run: Vec<DirectedEdge> = patch.sides.iter().flatten().copied().collect();
+            let closed = (0..run.len()).all(|i| self.edges.end(run[i]) == self.edges.start(run[(i + 1) % run.len()]));
+            if !closed || patch.sides.len() < 3 {
+                return Err(MeshError::OpenBoundary(id));
+            }
+            if let Some(subpatches) = patch.subpatches {
+                let parts_m2 = subpatches.map(|part| self.patches[part].area_m2);
+                // The cut's ends are rounded: each moves the boundary by up to half the weld distance.
+                let slack_m2 = self.least_edge_m * polygon::perimeter_m(&self.polygon_m(id));
+                if parts_m2.iter().any(|&part| part < -slack_m2)
+                    || (parts_m2[0] + parts_m2[1] - patch.area_m2).abs() > slack_m2
+                {
+                    return Err(MeshError::AreaLost { patch: id, area_m2: patch.area_m2, parts_m2 });
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,121 @@
+//! `point_split` (paper, sections 5 and 6): splits a patch by the best chord between two of its boundary points.
+//!
+//! Boundary points are the patch's own corners and the point split-hints alike (Fig. 3). Before: a leaf with more than
+//! three boundary points. After: it is split, and there is no new vertex and no new hint.
+
+use glam::DVec2;
+
+use super::Mesh;
+use super::patch::{BoundaryPoint, Cut, on_one_side};
+use super::score::Chord;
+use super::split::TRIANGLE;
+use crate::id::PatchId;
+
+/// A part with less than this share of the patch's area is no part: rounding made it.
+const LEAST_SHARE: f64 = 1e-9;
+
+/// Boundary points of a patch in the frame of its face, and prefix sums for the areas of parts.
+struct Outline {
+    points: Vec<BoundaryPoint>,
+    corners_m: Vec<DVec2>,
+    /// `moments[i]`: sum over `k < i` of the cross product of corners `k` and `k + 1`.
+    moments: Vec<f64>,
+    side_count: usize,
+}
+
+impl Outline {
+    fn of(mesh: &Mesh, patch: PatchId) -> Self {
+        let points = mesh.boundary(patch);
+        let frame = mesh.frame(mesh.patch(patch).face);
+        let centre = frame.to_2d(mesh.patch(patch).centroid_m);
+        let corners_m: Vec<DVec2> = points.iter().map(|p| frame.to_2d(mesh.vertex_m(p.vertex)) - centre).collect();
+        let mut moments = vec![0.0];
+        for (i, corner) in corners_m.iter().enumerate() {
+            moments.push(moments[i] + corner.perp_dot(corners_m[(i + 1) % corners_m.len()]));
+        }
+        Self { points, corners_m, moments, side_count: mesh.patch(patch).sides.len() }
+    }
+
+    /// The chord from point `i` to point `j > i`; `None` where both lie on one straight side.
+    fn chord(&self, i: usize, j: usize) -> Option<Chord> {
+        if on_one_side(&self.points[i], &self.points[j], self.side_count) {
+            return None;
+        }
+        let (p, q) = (self.corners_m[i], self.corners_m[j]);
+        let whole_m2 = 0.5 * self.moments[self.points.len()];
+        let part_m2 = 0.5 * (self.moments[j] - self.moments[i] + q.perp_dot(p));
+        let length_m = p.distance(q);
+        Some(Chord {
+            areas_m2: [part_m2, whole_m2 - part_m2],
+            length_m,
+            least_sine: self.least_sine_at(i, q - p).min(self.least_sine_at(j, p - q)),
+        })
+    }
+
+    /// Sine of the lesser angle that a chord in `direction` makes with the boundary at point `i`; angles beyond a right
+    /// angle count as right.
+    fn least_sine_at(&self, i: usize, direction: DVec2) -> f64 {
+        let n = self.points.len();
+        let chord = direction.normalize_or_zero();
+        [(i + 1) % n, (i + n - 1) % n]
+            .into_iter()
+            .map(|neighbour| {
+                let along = (self.corners_m[neighbour] - self.corners_m[i]).normalize_or_zero();
+                if along.dot(chord) <= 0.0 { 1.0 } else { along.perp_dot(chord).abs() }
+            })
+            .fold(1.0, f64::min)
+    }
+
+    /// Every chord that may split the patch, with the numbers of its ends.
+    fn chords(&self) -> impl Iterator<Item = (usize, usize, Chord)> + '_ {
+        let n = self.points.len();
+        let least_m2 = LEAST_SHARE * 0.5 * self.moments[n];
+        (0..n)
+            .flat_map(move |i| (i + 1..n).map(move |j| (i, j)))
+            .filter_map(|(i, j)| self.chord(i, j).map(|chord| (i, j, chord)))
+            .filter(move |(_, _, chord)| chord.areas_m2.iter().all(|&area| area > least_m2))
+    }
+}
+
+impl Mesh {
+    /// Splits a leaf by the chord with the best score. False where no chord leaves two parts with area.
+    pub(super) fn point_split(&mut self, patch: PatchId) -> bool {
+        let outline = Outline::of(self, patch);
+        let score = self.settings.score;
+        // The first of equals wins, so that the choice does not depend on anything but the patch.
+        let best = outline
+            .chords()
+            .map(|(i, j, chord)| (score.of(&chord), i, j))
+            .reduce(|best, next| if next.0 < best.0 { next } else { best });
+        let Some((_, i, j)) = best else { return false };
+        self.split_between(patch, &outline.points[i], &outline.points[j], Cut::Points);
+        true
+    }
+
+    /// The possible splitting edges of a patch (paper, Fig. 3): pairs of boundary points.
+    pub fn splitting_edges(&self, patch: PatchId) -> Vec<[BoundaryPoint; 2]> {
+        let outline = Outline::of(self, patch);
+        outline.chords().map(|(i, j, _)| [outline.points[i], outline.points[j]]).collect()
+    }
+
+    /// Splits every leaf that has more than three boundary points, until all are triangles without a point hint: the
+    /// last step of `generate_mesh`.
+    ///
+    /// Returns the leaves that could not be cut down because they are thinner than rounding.
+    pub fn triangulate(&mut self) -> Vec<PatchId> {
+        let mut stuck = Vec::new();
+        let mut open: Vec<PatchId> = self.leaves().collect();
+        while let Some(patch) = open.pop() {
+            if self.boundary(patch).len() <= TRIANGLE {
+                continue;
+            }
+            if self.point_split(patch) {
+                open.extend(self.patch(patch).subpatches.into_iter().flatten());
+            } else {
+                stuck.push(patch);
+            }
+        }
+        stuck.sort_unstable();
+        stuck
+    }
+}
