@@ -19,8 +19,12 @@ pub mod scene;
 
 pub mod prepare;
 
+pub mod visibility;
+
 pub mod discontinuity;
 
 pub mod mesh;
+
+pub mod transport;
 
 pub mod shade;

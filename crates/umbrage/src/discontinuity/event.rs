@@ -20,7 +20,7 @@ use crate::prepare::Prepared;
 use crate::visibility::Visibility;
 
 /// What the tracing of events reads.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(super) struct Surroundings<'a> {
     pub(super) prepared: &'a Prepared,
     pub(super) visibility: &'a Visibility,
@@ -86,7 +86,13 @@ impl Surroundings<'_> {
     }
 
     /// The VE event of a source corner and an occluder edge.
-    pub(super) fn vertex_edge(&self, id: EmitterId, emitter: &Emitter, corner: VertexId, edge: &OccluderEdge) -> Vec<DSegment> {
+    pub(super) fn vertex_edge(
+        &self,
+        id: EmitterId,
+        emitter: &Emitter,
+        corner: VertexId,
+        edge: &OccluderEdge,
+    ) -> Vec<DSegment> {
         let apex = self.position(corner);
         let Some(ends) = self.part_in_front(emitter, edge.ends_m) else { return Vec::new() };
         let Some(wedge) = Wedge::new(apex, ends, self.prepared.tolerance.weld_m()) else { return Vec::new() };
@@ -114,7 +120,13 @@ impl Surroundings<'_> {
     }
 
     /// The EV event of a source edge and an occluder vertex.
-    pub(super) fn edge_vertex(&self, id: EmitterId, emitter: &Emitter, source: EdgeId, vertex: VertexId) -> Vec<DSegment> {
+    pub(super) fn edge_vertex(
+        &self,
+        id: EmitterId,
+        emitter: &Emitter,
+        source: EdgeId,
+        vertex: VertexId,
+    ) -> Vec<DSegment> {
         let apex = self.position(vertex);
         if emitter.plane.signed_distance_m(apex) <= self.coplanar_m() {
             return Vec::new();

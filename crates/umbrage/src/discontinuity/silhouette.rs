@@ -14,7 +14,6 @@ use crate::prepare::Prepared;
 #[derive(Clone, Debug)]
 pub(super) struct OccluderEdge {
     pub(super) edge: EdgeId,
-    pub(super) ends: [VertexId; 2],
     pub(super) ends_m: [DVec3; 2],
     /// The faces along it, and a point inside each.
     pub(super) faces: Vec<(FaceId, DVec3)>,
@@ -42,7 +41,7 @@ impl OccluderEdges {
             }
             edge.ends.iter().for_each(|&vertex| at_vertex[vertex].push(edges.len()));
             let faces = edge.faces.iter().map(|&face| (face, inside[face])).collect();
-            edges.push(OccluderEdge { edge: id, ends: edge.ends, ends_m, faces });
+            edges.push(OccluderEdge { edge: id, ends_m, faces });
         }
         Self { edges, at_vertex, slack_m: prepared.tolerance.coplanar_m() }
     }

@@ -7,7 +7,7 @@
 //! A face that only touches the wedge's plane lets rays graze past; two that touch it from both sides at the same place
 //! are a ridge, and stop them.
 
-use super::wedge::{Crossing, Piece, Wedge};
+use super::wedge::{Crossing, Piece};
 use crate::id::FaceId;
 
 /// Pieces this close in nearness, relative to it, are at the same place.
@@ -27,7 +27,8 @@ pub(super) struct Received {
 
 /// The part of `pieces` that is nearer than `than`, or farther.
 pub(super) fn part_at(pieces: &[Piece], than: f64, nearer: bool) -> Vec<Piece> {
-    let (least, most) = if nearer { (than * (1.0 + SAME_PLACE), f64::INFINITY) } else { (0.0, than * (1.0 - SAME_PLACE)) };
+    let (least, most) =
+        if nearer { (than * (1.0 + SAME_PLACE), f64::INFINITY) } else { (0.0, than * (1.0 - SAME_PLACE)) };
     let inside = |n: f64| n > least && n < most;
     pieces
         .iter()

@@ -109,11 +109,8 @@ impl Wedge {
         // Half-spaces that bound the wedge in its plane: beyond each border ray, and beyond the farthest line.
         let inward = [v - u * (u.dot(v) / u.dot(u)), u - v * (u.dot(v) / v.dot(v))];
         let outward = (u + v) * (self.plane.normal.dot(u.cross(v)).signum());
-        let reach = if least_nearness > 0.0 {
-            u.dot(outward).max(v.dot(outward)) / least_nearness
-        } else {
-            f64::INFINITY
-        };
+        let reach =
+            if least_nearness > 0.0 { u.dot(outward).max(v.dot(outward)) / least_nearness } else { f64::INFINITY };
         let keep = |lo: DVec3, hi: DVec3| {
             let (centre, half) = (0.5 * (lo + hi) - self.apex, 0.5 * (hi - lo));
             let most = |n: DVec3| n.dot(centre) + n.abs().dot(half) + n.length() * slack_m;

@@ -64,6 +64,11 @@ pub fn in_front_of(corners: &[DVec3], plane: &Plane, snap_m: f64) -> Vec<DVec3> 
     })
 }
 
+/// The part of a convex polygon where a linear function is not negative: for clipping in homogeneous coordinates.
+pub fn where_positive(corners: &[DVec3], linear: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
+    clip_by(corners, linear)
+}
+
 /// The part of a convex polygon to the left of the line from `from` to `to`.
 pub fn left_of(corners: &[DVec2], from: DVec2, to: DVec2) -> Vec<DVec2> {
     let along = to - from;

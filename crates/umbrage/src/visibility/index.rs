@@ -1,0 +1,178 @@
+//! The spatial index: a binary tree of boxes over the prepared faces.
+//!
+//! The tree is built by the crate `obvhs` (PLOC: Meister and Bittner, *Parallel Locally-Ordered Clustering for Bounding
+//! Volume Hierarchy Construction*, 2018) over `f32` boxes that are rounded outward; its nodes are walked here, with a box
+//! test of the caller's, in `f64`. The faces' boundaries lie flat beside it, with every vertex that other faces have on
+//! them: two faces that share an edge then meet in the same points, and no query sees a crack between them.
+//!
+//! Holds: a face that a walk's box test would keep is visited, each at most once; the order is that of the tree, which
+//! depends on the faces only and never on threads.
+
+use std::fmt;
+use std::ops::ControlFlow;
+
+use glam::{DVec3, Vec3A};
+use obvhs::Boundable;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+
+use crate::geometry::Tolerance;
+use crate::id::{FaceId, PlaneId, Table};
+use crate::prepare::Prepared;
+
+/// What the index knows of a face.
+#[derive(Clone, Copy, Debug)]
+struct IndexedFace {
+    /// The plane that it lies in.
+    plane: PlaneId,
+    /// Where its boundary starts and ends in the table of corners.
+    boundary: (u32, u32),
+    /// Its box, in metres.
+    min_m: DVec3,
+    /// Its box, in metres.
+    max_m: DVec3,
+}
+
+impl Boundable for IndexedFace {
+    fn aabb(&self) -> Aabb {
+        Aabb::new(rounded(self.min_m, f32::next_down), rounded(self.max_m, f32::next_up))
+    }
+}
+
+/// A corner of a box in `f32`, moved outward where rounding moved it inward (or nowhere: one step too many is harmless).
+fn rounded(p: DVec3, outward: fn(f32) -> f32) -> Vec3A {
+    let step = |x: f64| if f64::from(x as f32) == x { x as f32 } else { outward(x as f32) };
+    Vec3A::new(step(p.x), step(p.y), step(p.z))
+}
+
+/// The spatial index over the prepared faces, and the queries that it answers.
+#[derive(Clone)]
+pub struct Visibility {
+    tree: Bvh2,
+    faces: Table<FaceId, IndexedFace>,
+    corners_m: Vec<DVec3>,
+    tolerance: Tolerance,
+}
+
+impl fmt::Debug for Visibility {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Visibility({} faces, {} nodes)", self.faces.len(), self.tree.nodes.len())
+    }
+}
+
+impl Visibility {
+    /// Builds the index of all faces.
+    pub fn new(prepared: &Prepared) -> Self {
+        let mut corners_m = Vec::new();
+        let mut faces: Table<FaceId, IndexedFace> = Table::new();
+        for (id, face) in prepared.faces.iter_enumerated() {
+            let start = corners_m.len();
+            corners_m.extend(prepared.boundary(id).map(|v| prepared.vertices_m[v]));
+            let mine = &corners_m[start..];
+            faces.push(IndexedFace {
+                plane: face.plane,
+                boundary: (start as u32, corners_m.len() as u32),
+                min_m: mine.iter().copied().fold(DVec3::INFINITY, DVec3::min),
+                max_m: mine.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
+            });
+        }
+        let tree = if faces.is_empty() {
+            Bvh2::default()
+        } else {
+            build_bvh2(faces.raw.as_slice(), obvhs::BvhBuildParams::medium_build(), &mut Default::default())
+        };
+        Self { tree, faces, corners_m, tolerance: prepared.tolerance }
+    }
+
+    /// Tolerances of the scene that was indexed.
+    pub fn tolerance(&self) -> Tolerance {
+        self.tolerance
+    }
+
+    /// The plane that a face lies in.
+    pub fn plane(&self, face: FaceId) -> PlaneId {
+        self.faces[face].plane
+    }
+
+    /// All boundary vertices of a face, those inside straight sides included, counter-clockwise seen from its front, in
+    /// metres.
+    pub fn boundary_m(&self, face: FaceId) -> &[DVec3] {
+        let (start, end) = self.faces[face].boundary;
+        &self.corners_m[start as usize..end as usize]
+    }
+
+    /// Visits every face whose box passes `meets(min_m, max_m)`, until `visit` breaks. A box that contains a passing box
+    /// must pass too.
+    pub(crate) fn walk(&self, meets: impl Fn(DVec3, DVec3) -> bool, mut visit: impl FnMut(FaceId) -> ControlFlow<()>) {
+        let mut stack: smallvec::SmallVec<[u32; 64]> = smallvec::SmallVec::new();
+        if !self.tree.nodes.is_empty() {
+            stack.push(0);
+        }
+        while let Some(index) = stack.pop() {
+            let node = &self.tree.nodes[index as usize];
+            if !meets(node.aabb().min.as_dvec3(), node.aabb().max.as_dvec3()) {
+                continue;
+            }
+            let first = node.first_index;
+            if !node.is_leaf() {
+                stack.extend([first + 1, first]);
+                continue;
+            }
+            let range = first as usize..(first + node.prim_count) as usize;
+            for &primitive in &self.tree.primitive_indices[range] {
+                let face = FaceId::from(primitive as usize);
+                let bounds = &self.faces[face];
+                if meets(bounds.min_m, bounds.max_m) && visit(face).is_break() {
+                    return;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixture;
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn a_walk_finds_the_same_faces_as_a_search(
+            centres in prop::collection::vec((-5.0..5.0, -5.0..5.0, -5.0..5.0), 1..60),
+            lo in (-5.0..5.0, -5.0..5.0, -5.0..5.0),
+            size in 0.0..5.0,
+        ) {
+            let polygons: Vec<_> = centres
+                .iter()
+                .map(|&c| [DVec3::ZERO, DVec3::X, DVec3::Y].map(|p| fixture::f32_point(DVec3::from(c) + p)).to_vec())
+                .collect();
+            let prepared = fixture::prepared(&polygons);
+            let index = Visibility::new(&prepared);
+            let (lo, hi) = (DVec3::from(lo), DVec3::from(lo) + size);
+            let meets = |min: DVec3, max: DVec3| min.cmple(hi).all() && max.cmpge(lo).all();
+            let mut found = Vec::new();
+            index.walk(meets, |face| {
+                found.push(face);
+                ControlFlow::Continue(())
+            });
+            found.sort_unstable();
+            let expected: Vec<FaceId> = prepared.faces.keys().filter(|&f| {
+                let corners = index.boundary_m(f);
+                meets(
+                    corners.iter().copied().fold(DVec3::INFINITY, DVec3::min),
+                    corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
+                )
+            }).collect();
+            prop_assert_eq!(found, expected);
+        }
+    }
+
+    #[test]
+    fn an_empty_scene_has_an_empty_index() {
+        let index = Visibility::new(&fixture::prepared(&[]));
+        index.walk(|_, _| true, |_| panic!("a face in an empty scene"));
+    }
+}

@@ -1,0 +1,17 @@
+//! What sees what: one spatial index over the prepared faces, asked by ray, by beam (point to polygon) and by wedge.
+//!
+//! Exactness lives here (design: discontinuities only guide where the mesh is cut): a query answers what the faces
+//! themselves do, with no sampling, so that an event that was missed elsewhere costs convergence and never a wrong
+//! value.
+
+mod beam;
+#[cfg(test)]
+pub(crate) mod fixture;
+mod index;
+mod project;
+mod ray;
+mod shadow;
+mod wedge;
+
+pub use beam::{Contours, ReceiverPoint, SourcePolygon, VisiblePart};
+pub use index::Visibility;
