@@ -19,7 +19,7 @@ const HELP: &str = "\
 Examples:
   umbrage bake room.glb -o baked.glb
   umbrage bake room.glb -o fine.glb --max-form-factor 0.01
-  umbrage bake room.glb -o brighter.glb --exposure 0.5
+  umbrage bake room.glb -o brighter.glb --exposure 2.5
 
 A scene needs at least one material that gives light (glTF: emissiveFactor, in Blender: Emission). Units are metres and \
 W/m2; a surface is lit on its front, unless its material is double-sided.";
@@ -33,14 +33,15 @@ pub(crate) struct BakeArgs {
     /// The baked file to write (.glb); replaced if it exists
     #[arg(short, long, value_name = "OUT.glb")]
     output: PathBuf,
-    #[command(flatten)]
-    method: MethodArgs,
-    /// Show a radiance of K W/(m2 sr) of reflected white light as white [default: from the scene's light]
+    /// Colours are K times E/pi, the light of a white surface in W/(m2 sr), cut off at white: a greater K is brighter
+    /// [default: so that little of the scene is cut off]
     #[arg(long, value_name = "K", value_parser = positive)]
     exposure: Option<f64>,
     /// Take no surface to reflect more than this share of the light: a white closed room has no solution
     #[arg(long, value_name = "R", value_parser = share, default_value_t = 0.9)]
     max_reflectance: f64,
+    #[command(flatten)]
+    method: MethodArgs,
 }
 
 pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
