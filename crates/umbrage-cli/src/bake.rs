@@ -5,10 +5,11 @@ use std::time::Instant;
 
 use anyhow::Context;
 use clap::Args;
+use serde_json::Map;
 use umbrage::bake::{self, Bake, BakeSettings};
 use umbrage::progress::Progress;
 use umbrage::scene::Scene;
-use umbrage_formats::{BakeFacts, write_baked_glb};
+use umbrage_formats::{BakeFacts, ReadOptions, Written, write_baked_glb};
 
 use crate::method::{MethodArgs, positive, share};
 use crate::output::Output;
@@ -47,12 +48,13 @@ pub(crate) struct BakeArgs {
 pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     interrupt::listen()?;
     let begin = Instant::now();
-    let scene = scene_file::read(&args.scene)?;
-    let bake = bake_scene(&scene, &args.method.settings(), output)
-        .with_context(|| format!("cannot bake {}", args.scene.display()))?;
-    write(&scene, &bake, args.exposure, &args.output)?;
-    let summary = summary::summary(&bake.report, begin.elapsed());
-    output.say(&format!("{summary}Wrote {}", written(&args.output)))
+    let scene = scene_file::read(&args.scene, &ReadOptions { max_reflectance: args.max_reflectance })?;
+    let settings = args.method.settings();
+    let bake =
+        bake_scene(&scene, &settings, output).with_context(|| format!("cannot bake {}", args.scene.display()))?;
+    let written = write(&scene, &bake, &settings, args.exposure, &args.output)?;
+    let summary = summary::summary(&bake.report, &written, begin.elapsed());
+    output.say(&format!("{summary}Wrote {} ({})", args.output.display(), summary::bytes(written.bytes)))
 }
 
 /// Bakes with progress on the terminal; Ctrl-C cancels.
@@ -65,15 +67,20 @@ pub(crate) fn bake_scene(scene: &Scene, settings: &BakeSettings, output: Output)
     Ok(bake?)
 }
 
-/// Writes a bake as GLB.
-pub(crate) fn write(scene: &Scene, bake: &Bake, exposure: Option<f64>, path: &Path) -> anyhow::Result<()> {
+/// Writes a bake as GLB, and with it how it was made.
+pub(crate) fn write(
+    scene: &Scene,
+    bake: &Bake,
+    settings: &BakeSettings,
+    exposure: Option<f64>,
+    path: &Path,
+) -> anyhow::Result<Written> {
     interrupt::check()?;
-    let facts = BakeFacts { exposure, residual: bake.report.residual, extras: Default::default() };
+    let mut extras = Map::new();
+    extras.insert("max_form_factor".into(), settings.max_form_factor.into());
+    extras.insert("min_area_m2".into(), settings.min_area_m2.into());
+    extras.insert("score".into(), settings.score.to_string().into());
+    extras.insert("discontinuities".into(), settings.discontinuities.into());
+    let facts = BakeFacts { exposure, residual: bake.report.residual, extras };
     Ok(write_baked_glb(scene, &bake.mesh, &facts, path)?)
-}
-
-/// A file and its size, where it can be told.
-pub(crate) fn written(path: &Path) -> String {
-    let size = std::fs::metadata(path).map(|file| format!(" ({})", summary::bytes(file.len())));
-    format!("{}{}", path.display(), size.unwrap_or_default())
 }

@@ -7,9 +7,10 @@ use anyhow::Context;
 use clap::Args;
 use umbrage::bake::BakeSettings;
 use umbrage::scene::cornell::cornell_box;
+use umbrage_formats::write_atomically;
 use umbrage_picture::{Camera, RenderSettings};
 
-use crate::bake::{bake_scene, write, written};
+use crate::bake::{bake_scene, write};
 use crate::output::Output;
 use crate::{interrupt, render, summary};
 
@@ -29,24 +30,27 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> anyhow::Result<()> {
     let [glb, png] = ["cornell.glb", "cornell.png"].map(|name| args.out_dir.join(name));
 
     let scene = cornell_box();
-    let bake = bake_scene(&scene, &BakeSettings::default(), output).context("cannot bake the Cornell box")?;
-    write(&scene, &bake, None, &glb)?;
+    let settings = BakeSettings::default();
+    let bake = bake_scene(&scene, &settings, output).context("cannot bake the Cornell box")?;
+    let written = write(&scene, &bake, &settings, None, &glb)?;
     let meshes = render::read_meshes(&glb)?;
     let settings = RenderSettings::default();
     let camera = render::default_camera(&meshes, &settings, Camera::DEFAULT_FOV_DEG)?;
-    umbrage_picture::render(&meshes, &[], &camera, &settings)?.write_png(&png)?;
+    let picture = umbrage_picture::render(&meshes, &[], &camera, &settings)?.png()?;
+    write_atomically(&png, &picture)?;
 
     let umbrage = std::env::args().next().unwrap_or_else(|| "umbrage".into());
-    let (summary, glb_name) = (summary::summary(&bake.report, begin.elapsed()), glb.display());
+    let (summary, glb_name) = (summary::summary(&bake.report, &written, begin.elapsed()), glb.display());
     output.say(&format!(
         "{summary}\
-         Wrote {}, for any glTF viewer\n\
-         Wrote {}\n\
+         Wrote {glb_name} ({}), for any glTF viewer\n\
+         Wrote {} ({})\n\
          \n\
          Next:\n  \
            {umbrage} render {glb_name} -o mesh.png --wireframe   see the triangles follow the shadows\n  \
            {umbrage} bake SCENE.glb -o baked.glb   bake a scene of your own",
-        written(&glb),
-        written(&png),
+        summary::bytes(written.bytes),
+        png.display(),
+        summary::bytes(picture.len() as u64),
     ))
 }

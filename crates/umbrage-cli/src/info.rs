@@ -9,6 +9,8 @@ use umbrage::geometry::polygon;
 use umbrage::id::{MaterialId, SurfaceId};
 use umbrage::scene::{Rgb, Scene};
 
+use umbrage_formats::ReadOptions;
+
 use crate::output::{Output, answer, warning};
 use crate::scene_file;
 use crate::summary::grouped;
@@ -21,7 +23,7 @@ pub(crate) struct InfoArgs {
 }
 
 pub(crate) fn run(args: &InfoArgs, _output: Output) -> anyhow::Result<()> {
-    let scene = scene_file::read(&args.scene)?;
+    let scene = scene_file::read(&args.scene, &ReadOptions { max_reflectance: 1.0 })?;
     if let Err(error) = scene.validate() {
         warning(&format!("{}: cannot be baked: {error}", args.scene.display()));
     }

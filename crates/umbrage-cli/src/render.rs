@@ -7,14 +7,13 @@ use clap::Args;
 use glam::DVec3;
 use umbrage::bake;
 use umbrage::progress::Progress;
-use umbrage_formats::{BakedFilePart, read_baked};
-use umbrage_picture::{Camera, Line, LineSet, MAX_SIZE_PX, PictureMesh, RenderSettings, color, wireframe};
+use umbrage_formats::{BakedFilePart, ReadOptions, read_baked, write_atomically};
+use umbrage_picture::{Camera, Line, LineColor, LineSet, MAX_SIZE_PX, PictureMesh, RenderSettings, color, wireframe};
 
-use crate::bake::written;
 use crate::method::{number, positive};
 use crate::output::Output;
 use crate::progress::Bar;
-use crate::{interrupt, scene_file};
+use crate::{interrupt, scene_file, summary};
 
 const HELP: &str = "\
 Examples:
@@ -29,7 +28,7 @@ Without --eye the camera stands outside, where most of the light can be seen. Su
 const DEGREE_COLORS: [[u8; 3]; 3] = [[226, 30, 30], [255, 140, 0], [40, 110, 255]];
 const DEGREE_WIDTH_PX: f64 = 1.6;
 const WIRE_WIDTH_PX: f64 = 0.8;
-const WIRE_OPACITY: f32 = 0.6;
+const WIRE_OPACITY: f32 = 0.45;
 
 /// Draw a baked GLB as a PNG picture
 #[derive(Debug, Args)]
@@ -89,15 +88,21 @@ pub(crate) fn run(args: &RenderArgs, output: Output) -> anyhow::Result<()> {
     let mut lines = Vec::new();
     if args.wireframe {
         let edges = wireframe(&meshes, camera.eye_m);
-        lines.push(LineSet { color: [1.0; 3], opacity: WIRE_OPACITY, width_px: WIRE_WIDTH_PX, lines: edges });
+        lines.push(LineSet {
+            color: LineColor::Contrast,
+            opacity: WIRE_OPACITY,
+            width_px: WIRE_WIDTH_PX,
+            lines: edges,
+        });
     }
     if let Some(scene) = &args.segments {
         lines.extend(segments(scene, output)?);
     }
-    umbrage_picture::render(&meshes, &lines, &camera, &settings)
+    let picture = umbrage_picture::render(&meshes, &lines, &camera, &settings)
         .with_context(|| format!("cannot draw {}", args.baked.display()))?
-        .write_png(&args.output)?;
-    output.say(&format!("Wrote {}", written(&args.output)))
+        .png()?;
+    write_atomically(&args.output, &picture)?;
+    output.say(&format!("Wrote {} ({})", args.output.display(), summary::bytes(picture.len() as u64)))
 }
 
 /// The parts of a baked file as they are drawn: base colour times light.
@@ -128,14 +133,14 @@ pub(crate) fn default_camera(
 /// The d-segments of a scene by degree, the strongest last, so that they are drawn over the others.
 fn segments(path: &Path, output: Output) -> anyhow::Result<Vec<LineSet>> {
     interrupt::listen()?;
-    let scene = scene_file::read(path)?;
+    let scene = scene_file::read(path, &ReadOptions::default())?;
     let bar = Bar::new(output);
     let callback = |update| bar.update(update);
     let segments = bake::d_segments(&scene, Progress::new(&callback));
     bar.clear();
     let segments = segments.with_context(|| format!("cannot find the shadow edges of {}", path.display()))?;
     let of_degree = |degree: usize| LineSet {
-        color: color::linear_from_srgb8(DEGREE_COLORS[degree]),
+        color: LineColor::Plain(color::linear_from_srgb8(DEGREE_COLORS[degree])),
         opacity: 1.0,
         width_px: DEGREE_WIDTH_PX,
         lines: segments

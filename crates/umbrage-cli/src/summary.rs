@@ -4,11 +4,12 @@ use std::fmt::Write;
 use std::time::Duration;
 
 use umbrage::bake::Report;
+use umbrage_formats::Written;
 
 use crate::memory;
 
 /// The summary of a bake that took `elapsed` with reading and writing.
-pub(crate) fn summary(report: &Report, elapsed: Duration) -> String {
+pub(crate) fn summary(report: &Report, written: &Written, elapsed: Duration) -> String {
     let mut text = format!("Baked in {}\n", seconds(elapsed.as_secs_f64()));
     let mut line = |name: &str, value: String| {
         // Writing to a string cannot fail.
@@ -23,6 +24,11 @@ pub(crate) fn summary(report: &Report, elapsed: Duration) -> String {
     line("vertices", grouped(report.vertices));
     line("triangles", grouped(report.triangles));
     line("residual", format!("{:.1e} after {}", report.residual, count(report.iterations, "iteration")));
+    let clipped = match written.clipped_vertices {
+        0 => String::new(),
+        n => format!(", {} cut off at white", count(n, "vertex|vertices")),
+    };
+    line("exposure", format!("{:.4}{clipped}", written.exposure_k));
     let stages: Vec<String> = report.seconds.iter().map(|(stage, s)| format!("{stage} {}", seconds(*s))).collect();
     line("time", stages.join(", "));
     if let Some(bytes) = memory::peak_bytes() {

@@ -7,7 +7,7 @@
 
 use crate::color::{LinearRgb, exposed};
 use crate::fill::Fill;
-use crate::line::{LineSample, cover, rows};
+use crate::line::{LineColor, LineSample, cover, rows};
 use crate::project::{ScreenLine, ScreenTriangle};
 
 /// Samples per pixel along x and along y: 4 x 4 on a regular grid, averaged with equal weights.
@@ -20,7 +20,7 @@ const LINE_BIAS: f64 = 1e-4;
 pub(crate) struct ScreenLines {
     /// Half their width, in samples.
     pub(crate) radius: f64,
-    pub(crate) color: LinearRgb,
+    pub(crate) color: LineColor,
     pub(crate) opacity: f32,
     pub(crate) lines: Vec<ScreenLine>,
 }
@@ -122,7 +122,8 @@ impl Band {
                     0 => under,
                     set => {
                         let set = &lines[usize::from(set) - 1];
-                        std::array::from_fn(|i| under[i] + set.opacity * (set.color[i] - under[i]))
+                        let color = set.color.over(under);
+                        std::array::from_fn(|i| under[i] + set.opacity * (color[i] - under[i]))
                     }
                 };
                 sum = std::array::from_fn(|i| sum[i] + over[i]);

@@ -47,8 +47,8 @@ mod view;
 
 pub use camera::{Camera, CameraError};
 pub use color::LinearRgb;
-pub use line::{Line, LineSet, wireframe};
+pub use line::{Line, LineColor, LineSet, wireframe};
 pub use mesh::{MeshError, PictureMesh, bounds_m};
-pub use picture::{Picture, WriteError};
+pub use picture::{Picture, PngError};
 pub use render::{MAX_SIZE_PX, RenderError, RenderSettings, render};
 pub use view::default_camera;

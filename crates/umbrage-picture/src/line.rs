@@ -9,7 +9,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::color::LinearRgb;
+use crate::color::{LinearRgb, luminance};
 use crate::mesh::PictureMesh;
 use crate::project::ScreenLine;
 
@@ -22,11 +22,34 @@ pub struct Line {
     pub normal: Option<[f64; 3]>,
 }
 
+/// Colour of lines on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LineColor {
+    /// The same everywhere, linear.
+    Plain(LinearRgb),
+    /// Black over what is bright, white over what is dark.
+    Contrast,
+}
+
+impl LineColor {
+    /// Luminance above which black is easier to see than white: that of a middle grey.
+    const MIDDLE: f32 = 0.18;
+
+    /// The colour over `under`.
+    pub(crate) fn over(self, under: LinearRgb) -> LinearRgb {
+        match self {
+            Self::Plain(color) => color,
+            Self::Contrast if luminance(under) > Self::MIDDLE => [0.0; 3],
+            Self::Contrast => [1.0; 3],
+        }
+    }
+}
+
 /// Lines of one look.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineSet {
-    /// Their colour on the screen, linear.
-    pub color: LinearRgb,
+    /// Their colour.
+    pub color: LineColor,
     /// How much of the picture they hide, 0 to 1.
     pub opacity: f32,
     /// Their width, in pixels of the picture.
@@ -143,5 +166,12 @@ mod tests {
         let line = Line { ends_m: [[0.0; 3], [1.0, 0.0, 0.0]], normal: Some([0.0, 1.0, 0.0]) };
         assert!(line.faces(DVec3::Y) && !line.faces(DVec3::NEG_Y));
         assert!(Line { normal: None, ..line }.faces(DVec3::NEG_Y));
+    }
+
+    #[test]
+    fn a_contrasting_line_is_never_the_colour_below() {
+        assert_eq!(LineColor::Contrast.over([0.9; 3]), [0.0; 3]);
+        assert_eq!(LineColor::Contrast.over([0.01; 3]), [1.0; 3]);
+        assert_eq!(LineColor::Plain([0.5; 3]).over([0.9; 3]), [0.5; 3]);
     }
 }

@@ -2,10 +2,6 @@
 //!
 //! Holds: pixels are linear and within 0..1; the same picture gives the same bytes: a PNG carries no time and no tool.
 
-use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
-
 use crate::color::{LinearRgb, srgb8_from_linear};
 
 /// A picture as it is displayed, in linear colours.
@@ -16,21 +12,10 @@ pub struct Picture {
     pub(crate) pixels: Vec<LinearRgb>,
 }
 
-/// A picture that could not be written.
+/// A picture that could not be encoded.
 #[derive(Debug, thiserror::Error)]
-pub enum WriteError {
-    /// The file could not be written.
-    #[error("cannot write {path}: does its folder exist, and may it be written?")]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// The picture could not be encoded.
-    #[error("cannot encode the picture as PNG")]
-    Encode(#[from] png::EncodingError),
-}
+#[error("cannot encode the picture as PNG")]
+pub struct PngError(#[from] png::EncodingError);
 
 impl Picture {
     /// Width in pixels.
@@ -61,8 +46,8 @@ impl Picture {
     /// The picture as a PNG file, marked as sRGB.
     ///
     /// # Errors
-    /// [`WriteError::Encode`] where the encoder refuses.
-    pub fn png(&self) -> Result<Vec<u8>, WriteError> {
+    /// [`PngError`] where the encoder refuses.
+    pub fn png(&self) -> Result<Vec<u8>, PngError> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Rgb);
@@ -73,15 +58,6 @@ impl Picture {
         writer.write_image_data(&self.srgb8())?;
         writer.finish()?;
         Ok(bytes)
-    }
-
-    /// Writes the picture as a PNG file.
-    ///
-    /// # Errors
-    /// [`WriteError`] where it cannot be encoded or written.
-    pub fn write_png(&self, path: &Path) -> Result<(), WriteError> {
-        let bytes = self.png()?;
-        fs::write(path, bytes).map_err(|source| WriteError::Io { path: path.to_owned(), source })
     }
 }
 
@@ -106,11 +82,5 @@ mod tests {
         assert_eq!(reader.info().srgb, Some(png::SrgbRenderingIntent::Perceptual));
         assert_eq!(codes, picture().srgb8());
         assert_eq!(codes[..6], [0, 128, 255, 255, 0, 0]);
-    }
-
-    #[test]
-    fn a_folder_that_does_not_exist_is_named() {
-        let error = picture().write_png(Path::new("no/such/folder/a.png")).unwrap_err();
-        assert!(error.to_string().contains("no/such/folder/a.png"), "{error}");
     }
 }

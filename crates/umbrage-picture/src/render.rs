@@ -220,7 +220,7 @@ fn sort_into_bands(triangles: &[ScreenTriangle], bands: &[(usize, [i64; 2])]) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::line::{Line, wireframe};
+    use crate::line::{Line, LineColor, wireframe};
 
     fn plain(width: usize, height: usize) -> RenderSettings {
         RenderSettings { width, height, background: [0.0; 3], ..RenderSettings::default() }
@@ -318,7 +318,8 @@ mod tests {
     #[test]
     fn lines_are_seen_on_their_surface_and_not_behind_another() {
         let line = |z: f64| Line { ends_m: [[-0.9, 0.0, z], [0.9, 0.0, z]], normal: None };
-        let set = |z| LineSet { color: [1.0, 0.0, 0.0], opacity: 1.0, width_px: 1.0, lines: vec![line(z)] };
+        let set =
+            |z| LineSet { color: LineColor::Plain([1.0, 0.0, 0.0]), opacity: 1.0, width_px: 1.0, lines: vec![line(z)] };
         let meshes = [square(-2.0, 1.0, [0.0, 0.0, 1.0]), square(-3.0, 9.0, [0.0, 0.0, 1.0])];
         let seen = |z| render(&meshes, &[set(z)], &camera(), &plain(65, 65)).unwrap().pixel(32, 32);
         assert_eq!(seen(-2.0), [1.0, 0.0, 0.0]);
@@ -334,7 +335,7 @@ mod tests {
             triangles: vec![[0, 1, 2], [0, 2, 3]],
         };
         let line = Line { ends_m: [[-9.0, -0.1, -4.0], [9.0, -0.1, -4.0]], normal: Some([0.0, 1.0, 0.0]) };
-        let set = LineSet { color: [1.0, 0.0, 0.0], opacity: 1.0, width_px: 1.0, lines: vec![line] };
+        let set = LineSet { color: LineColor::Plain([1.0, 0.0, 0.0]), opacity: 1.0, width_px: 1.0, lines: vec![line] };
         let picture = render(&[floor], &[set], &camera(), &plain(200, 200)).unwrap();
         for column in 0..200 {
             let red: f32 = (95..110).map(|row| picture.pixel(column, row)[0]).sum();
@@ -346,7 +347,12 @@ mod tests {
     fn one_thread_and_two_give_the_same_bytes() {
         let meshes: Vec<_> =
             (0..40).map(|i| square(-2.0 - 0.1 * f64::from(i), 0.3 * f64::from(i), [0.02 * i as f32; 3])).collect();
-        let wires = LineSet { color: [1.0; 3], opacity: 0.5, width_px: 1.5, lines: wireframe(&meshes, DVec3::ZERO) };
+        let wires = LineSet {
+            color: LineColor::Plain([1.0; 3]),
+            opacity: 0.5,
+            width_px: 1.5,
+            lines: wireframe(&meshes, DVec3::ZERO),
+        };
         let bytes = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| render(&meshes, std::slice::from_ref(&wires), &camera(), &plain(120, 150)).unwrap().srgb8())
