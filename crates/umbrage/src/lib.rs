@@ -27,4 +27,8 @@ pub mod mesh;
 
 pub mod transport;
 
+pub mod solve;
+
 pub mod shade;
+
+pub mod bake;

@@ -1,3 +1,11 @@
-//! How light travels between patches: form factors, links, the oracle and `subdivide`.
+//! How light travels between patches: form factors, links, the oracle and `subdivide` (paper, sections 2 and 6).
 
 pub mod form_factor;
+mod link;
+mod oracle;
+mod sample;
+mod subdivide;
+
+pub use link::{Link, LinkError, Links, Node, Sight};
+pub use oracle::{Decision, FormFactorOracle, Oracle};
+pub use subdivide::link_all;

@@ -11,6 +11,7 @@ mod index;
 mod project;
 mod ray;
 mod shadow;
+mod shaft;
 mod wedge;
 
 pub use beam::{Contours, ReceiverPoint, SourcePolygon, VisiblePart};

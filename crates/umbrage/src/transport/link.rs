@@ -1,0 +1,179 @@
+//! Links: which node of the hierarchy gathers light from which other, and by what factor.
+//!
+//! A link's form factor is the area mean, over its receiver, of the exact visible point-to-source factor: it holds the
+//! occlusion, so that no separate visibility is needed. A pair of patches has a link each way; both are averaged on their
+//! own receiver, so that the factors of one receiver sum to what its points see.
+//!
+//! Holds: links are in the order of their receivers, then of their sources; no factor is zero.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::form_factor::{point_to_polygon, point_to_visible_part};
+use super::sample::{self, Rule};
+use crate::id::PatchId;
+use crate::mesh::Mesh;
+use crate::prepare::Prepared;
+use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility};
+
+/// A node of the hierarchy that links join: a patch.
+pub type Node = PatchId;
+
+/// Whether anything stands between the ends of a link.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sight {
+    /// Nothing: the shaft between them is empty.
+    Clear,
+    /// Perhaps something.
+    Partial,
+}
+
+/// Light travels from `source` to `receiver`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link {
+    /// The node that gathers.
+    pub receiver: Node,
+    /// The node that it gathers from.
+    pub source: Node,
+    /// Share of the light that leaves the receiver, uniformly, and arrives at the source unhindered.
+    pub form_factor: f64,
+    /// Whether anything stands between.
+    pub sight: Sight,
+}
+
+/// All links, by receiver.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Links {
+    links: Vec<Link>,
+    starts: Vec<u32>,
+}
+
+/// A broken promise of [`Links`]: always a defect of this library.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LinkError {
+    /// A factor is not above 0, or more than 1.
+    #[error("{0:?} has a form factor outside of 0 to 1")]
+    BadFactor(Link),
+    /// A patch that holds a contact (D0) has a link.
+    #[error("{0:?} ends at a patch that holds a D0 split-hint")]
+    AcrossContact(Link),
+}
+
+impl Links {
+    /// Orders links by their ends, and drops those of factor zero.
+    pub fn new(mut links: Vec<Link>, node_count: usize) -> Self {
+        links.retain(|link| link.form_factor > 0.0);
+        links.sort_by_key(|link| (link.receiver, link.source));
+        let mut starts = Vec::with_capacity(node_count + 1);
+        let mut next = 0;
+        for node in 0..=node_count {
+            while next < links.len() && links[next].receiver.index() < node {
+                next += 1;
+            }
+            starts.push(next as u32);
+        }
+        Self { links, starts }
+    }
+
+    /// All links, in order.
+    pub fn as_slice(&self) -> &[Link] {
+        &self.links
+    }
+
+    /// Number of links.
+    pub fn len(&self) -> usize {
+        self.links.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.links.is_empty()
+    }
+
+    /// The links that `receiver` gathers over.
+    pub fn of(&self, receiver: Node) -> &[Link] {
+        &self.links[self.range(receiver)]
+    }
+
+    fn range(&self, receiver: Node) -> Range<usize> {
+        let start = |node: usize| self.starts.get(node).map_or(self.links.len(), |&start| start as usize);
+        start(receiver.index())..start(receiver.index() + 1)
+    }
+
+    /// Checks what can be checked of the promises above, and that no link ends at a patch that holds a D0 hint.
+    ///
+    /// # Errors
+    /// The first broken promise.
+    pub fn validate(&self, mesh: &Mesh) -> Result<(), LinkError> {
+        for link in &self.links {
+            if !(link.form_factor > 0.0 && link.form_factor <= 1.0 + FACTOR_SLACK) {
+                return Err(LinkError::BadFactor(*link));
+            }
+            if mesh.has_d0_hint(link.receiver) || mesh.has_d0_hint(link.source) {
+                return Err(LinkError::AcrossContact(*link));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Rounding of a sum of angles: by no more than this a factor may exceed 1.
+const FACTOR_SLACK: f64 = 1e-9;
+
+/// One end of a link, with what its factors need.
+#[derive(Debug)]
+struct End {
+    node: Node,
+    centroid_m: DVec3,
+    radius_m: f64,
+    polygon: SourcePolygon,
+}
+
+impl End {
+    fn new(prepared: &Prepared, mesh: &Mesh, node: Node) -> Self {
+        let patch = mesh.patch(node);
+        let polygon = SourcePolygon::on_face(prepared, patch.face, mesh.polygon_m(node));
+        let reach = |corner: &DVec3| corner.distance(patch.centroid_m);
+        let radius_m = polygon.corners_m.iter().map(reach).fold(0.0, f64::max);
+        Self { node, centroid_m: patch.centroid_m, radius_m, polygon }
+    }
+}
+
+/// The links between two nodes, one each way.
+pub(super) fn link_both_ways(prepared: &Prepared, visibility: &Visibility, mesh: &Mesh, pair: [Node; 2]) -> [Link; 2] {
+    let [first, second] = pair.map(|node| End::new(prepared, mesh, node));
+    let blocked = visibility.may_be_blocked(&first.polygon, &second.polygon);
+    let sight = if blocked { Sight::Partial } else { Sight::Clear };
+    let link = |receiver: &End, source: &End| Link {
+        receiver: receiver.node,
+        source: source.node,
+        form_factor: mean_factor(visibility, receiver, source, sight),
+        sight,
+    };
+    [link(&first, &second), link(&second, &first)]
+}
+
+/// The mean over the receiver's points of the visible factor to the source.
+fn mean_factor(visibility: &Visibility, receiver: &End, source: &End, sight: Sight) -> f64 {
+    let distance_m = receiver.centroid_m.distance(source.centroid_m);
+    let rule = sample::rule(receiver.radius_m, source.radius_m, distance_m);
+    let (plane, corners_m) = (receiver.polygon.oriented_plane, &receiver.polygon.corners_m);
+    match sight {
+        Sight::Clear => sample::points(corners_m, rule)
+            .into_iter()
+            .map(|(point_m, weight)| {
+                weight * point_to_polygon(plane.project(point_m), plane.normal, &source.polygon.corners_m)
+            })
+            .sum(),
+        Sight::Partial => sample::points(corners_m, rule.max(Rule::Six))
+            .into_iter()
+            .map(|(point_m, weight)| {
+                let position_m = plane.project(point_m);
+                let point = ReceiverPoint { position_m, normal: plane.normal, plane: receiver.polygon.plane };
+                let part = visibility.visible_part(&point, &source.polygon);
+                weight * point_to_visible_part(position_m, plane.normal, &part)
+            })
+            .sum(),
+    }
+}

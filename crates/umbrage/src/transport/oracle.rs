@@ -1,0 +1,71 @@
+//! The oracle: whether two nodes may be linked as they are, or one must be split first (paper, sections 2 and 6).
+//!
+//! The paper's oracle compares `formfactor_estimate(p, q)` with a threshold `Fmax`; it ignores brightness, reflectance and
+//! occluders. Here the estimate is taken both ways and the larger counts, and each patch is clipped to the front of the
+//! other's plane first: only that part of it takes part.
+
+use glam::DVec3;
+
+use super::Node;
+use super::form_factor::{Disc, disc_estimate};
+use crate::geometry::{Plane, clip, polygon};
+use crate::mesh::Mesh;
+
+/// What to do with a pair of nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decision {
+    /// They cannot see each other: no link.
+    Unseen,
+    /// Link them.
+    Link,
+    /// Split this one first.
+    Split(Node),
+}
+
+/// Decides about pairs of nodes.
+pub trait Oracle {
+    /// What to do with `pair`, whose ends hold no D0 split-hint.
+    fn decide(&self, mesh: &Mesh, pair: [Node; 2]) -> Decision;
+}
+
+/// The paper's oracle: split the larger until the form factor estimate is at most `Fmax`, or the patch is too small.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FormFactorOracle {
+    /// `Fmax`: linked nodes have at most this estimated form factor, unless they are too small to be split.
+    pub max_form_factor: f64,
+    /// Patches of at most this area, in square metres, are too small to be split.
+    pub min_area_m2: f64,
+    /// Corners nearer to a plane than this, in metres, do not rise over it.
+    pub coplanar_m: f64,
+}
+
+impl Oracle for FormFactorOracle {
+    fn decide(&self, mesh: &Mesh, pair: [Node; 2]) -> Decision {
+        let planes = pair.map(|node| mesh.frame(mesh.patch(node).face).plane);
+        let parts = [
+            front_part(mesh, pair[0], &planes[1], self.coplanar_m),
+            front_part(mesh, pair[1], &planes[0], self.coplanar_m),
+        ];
+        let [Some(first), Some(second)] = parts else { return Decision::Unseen };
+        let discs = [disc(&first, planes[0].normal), disc(&second, planes[1].normal)];
+        let estimate = disc_estimate(&discs[0], &discs[1]).max(disc_estimate(&discs[1], &discs[0]));
+        let areas_m2 = pair.map(|node| mesh.patch(node).area_m2);
+        let larger = usize::from(areas_m2[1] > areas_m2[0]);
+        if estimate > self.max_form_factor && areas_m2[larger] > self.min_area_m2 {
+            Decision::Split(pair[larger])
+        } else {
+            Decision::Link
+        }
+    }
+}
+
+/// The part of a patch in front of a plane; `None` where it nowhere rises over it.
+fn front_part(mesh: &Mesh, node: Node, plane: &Plane, coplanar_m: f64) -> Option<Vec<DVec3>> {
+    let corners_m = mesh.polygon_m(node);
+    let rises = corners_m.iter().any(|&corner| plane.signed_distance_m(corner) > coplanar_m);
+    rises.then(|| clip::in_front_of(&corners_m, plane, coplanar_m))
+}
+
+fn disc(corners_m: &[DVec3], normal: DVec3) -> Disc {
+    Disc { centre_m: polygon::centroid(corners_m), normal, area_m2: polygon::area_m2(corners_m) }
+}
