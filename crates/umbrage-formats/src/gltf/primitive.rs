@@ -8,7 +8,7 @@ use glam::{DAffine3, DVec3};
 use super::accessor::{Accessor, Component};
 use super::document::{Document, compressed};
 use super::item::Item;
-use super::tally::Tally;
+use super::tally::{PRIMITIVE_COST, Tally};
 use crate::FormatError;
 
 /// The modes of triangles, in glTF's numbers; those below are points and lines.
@@ -37,7 +37,7 @@ pub(super) fn polygons(
     world: &DAffine3,
     tally: &mut Tally,
 ) -> Result<Option<Polygons>, FormatError> {
-    tally.unfold(1, document, place)?;
+    tally.unfold(PRIMITIVE_COST, document, place)?;
     let attributes = primitive.child("attributes")?;
     let Some(position) = attributes.as_ref().map(|a| a.whole("POSITION")).transpose()?.flatten() else {
         tally.no_positions += 1;
