@@ -1,6 +1,5 @@
 //! Bad files: each ends in an error that names the file, the place and the trouble, never in a panic, and no count in a
 //! file makes memory be taken.
-
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failure here is a failed test")]
 
 mod common;
@@ -9,8 +8,11 @@ use std::time::Instant;
 
 use common::{Build, frame, read, scene_path};
 use proptest::prelude::*;
-use serde_json::json;
+use serde_json::{Value, json};
 use umbrage_formats::{FormatError, ReadOptions, read_baked, read_baked_bytes, read_scene, read_scene_bytes};
+
+/// What a test does to the JSON of a sound file.
+type Change = fn(&mut Value);
 
 /// A small file that uses most of what a file can use.
 fn rich() -> Build {
@@ -216,12 +218,12 @@ fn nodes_that_are_no_forest_are_refused() {
 
 #[test]
 fn broken_references_and_properties_are_named() {
-    let edit = |change: fn(&mut serde_json::Value)| {
+    let edit = |change: Change| {
         let mut build = Build::triangle();
         change(&mut build.json);
         build.message()
     };
-    let cases: [(fn(&mut serde_json::Value), &str); 12] = [
+    let cases: [(Change, &str); 12] = [
         (|j| j["nodes"][0]["mesh"] = json!(3), "node 0 \"chair\", mesh: refers to number 3"),
         (|j| j["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(9), "accessor: refers to number 9"),
         (

@@ -297,6 +297,17 @@ fn what_is_not_used_is_counted() {
 }
 
 #[test]
+fn only_vertex_colours_that_are_not_white_are_warned_of() {
+    for (colours, warned) in [([[1.0; 3]; 3], false), ([[1.0, 1.0, 0.5]; 3], true)] {
+        let mut build = Build::triangle();
+        let colour = build.floats(&colours);
+        build.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(colour);
+        let (_, warnings) = build.read().unwrap();
+        assert_eq!(warnings.contains(&Warning::VertexColoursIgnored { primitives: 1 }), warned, "{warnings:?}");
+    }
+}
+
+#[test]
 fn without_a_scene_all_roots_are_shown() {
     let mut build = Build::triangle();
     let json = build.json.as_object_mut().unwrap();
