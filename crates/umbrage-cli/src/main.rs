@@ -1,2 +1,143 @@
-//! Command line of Umbrage.
-fn main() {}
+//! The command `umbrage`: bakes light into the vertices of a scene, draws the result, tells what is in a scene.
+//!
+//! One file per command. What the command was asked for goes to standard output (a summary, a list); how it is going
+//! goes to standard error: progress on a terminal only, warnings, errors, logs.
+//!
+//! Holds: exit codes are those of [`exit_code::ExitCode`]; an error is told with its causes and a way out; a command that
+//! fails or is interrupted leaves no half-written file.
+
+mod bake;
+mod demo;
+mod exit_code;
+mod info;
+mod interrupt;
+mod memory;
+mod method;
+mod output;
+mod progress;
+mod render;
+mod scene_file;
+mod summary;
+
+use std::process;
+
+use anyhow::Context;
+use clap::{ArgAction, Parser, Subcommand};
+use tracing_subscriber::filter::LevelFilter;
+use tracing_subscriber::fmt::time;
+
+use crate::exit_code::ExitCode;
+use crate::output::Output;
+
+const ABOUT: &str = "Bakes light and shadow into the vertices of a 3D scene";
+
+const LONG_ABOUT: &str = "\
+Bakes light and shadow into the vertices of a 3D scene.
+
+Umbrage reads a scene of flat surfaces, some of which give light, and writes a GLB file whose triangles follow the edges \
+of the shadows and whose vertices carry the light. Any glTF viewer shows it: no lightmap, no second UV set, no noise.";
+
+const EXAMPLES: &str = "\
+Examples:
+  umbrage demo                           bake the built-in Cornell box: cornell.glb and cornell.png
+  umbrage info room.glb                  what is in a scene, and what gives light in it
+  umbrage bake room.glb -o baked.glb     bake a scene of your own
+  umbrage render baked.glb -o baked.png  a picture of the result
+
+Exit codes: 0 done, 1 failed (the message says why), 2 wrong usage, 130 interrupted (Ctrl-C).
+`umbrage help COMMAND` tells more about a command.";
+
+#[derive(Debug, Parser)]
+#[command(name = "umbrage", version, about = ABOUT, long_about = LONG_ABOUT, after_help = EXAMPLES)]
+#[command(subcommand_required = true, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    global: Global,
+}
+
+/// Options of every command.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "General")]
+struct Global {
+    /// How many processor threads to use [default: as many as there are]; the result does not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Say nothing but warnings and errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Log what happens inside; twice or three times for more
+    #[arg(short, long, global = true, action = ArgAction::Count)]
+    verbose: u8,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Bake(bake::BakeArgs),
+    Demo(demo::DemoArgs),
+    Render(render::RenderArgs),
+    Info(info::InfoArgs),
+}
+
+fn main() {
+    // Wrong usage ends here, with code 2; `--help` and `--version` with 0.
+    let cli = Cli::parse();
+    let code = match run(&cli) {
+        Ok(()) => ExitCode::Success,
+        Err(_) if interrupt::was_interrupted() => {
+            output::error("interrupted, nothing was written");
+            ExitCode::Interrupted
+        }
+        // Whoever read our output has read enough: `umbrage info room.glb | head -3`.
+        Err(error) if output::is_closed_pipe(&error) => ExitCode::Success,
+        Err(error) => {
+            output::error_chain(&error);
+            ExitCode::Failed
+        }
+    };
+    process::exit(code.into());
+}
+
+fn run(cli: &Cli) -> anyhow::Result<()> {
+    start_log(cli.global.verbose);
+    if let Some(threads) = cli.global.threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(usize::from(threads))
+            .build_global()
+            .with_context(|| format!("cannot start {threads} threads: ask for fewer with --threads"))?;
+    }
+    let output = Output { quiet: cli.global.quiet, logging: cli.global.verbose > 0 };
+    match &cli.command {
+        Command::Bake(args) => bake::run(args, output),
+        Command::Demo(args) => demo::run(args, output),
+        Command::Render(args) => render::run(args, output),
+        Command::Info(args) => info::run(args, output),
+    }
+}
+
+/// Logs to standard error: warnings, and with `-v` more.
+fn start_log(verbose: u8) {
+    let level = match verbose {
+        0 => LevelFilter::WARN,
+        1 => LevelFilter::INFO,
+        2 => LevelFilter::DEBUG,
+        _ => LevelFilter::TRACE,
+    };
+    tracing_subscriber::fmt()
+        .with_max_level(level)
+        .with_writer(std::io::stderr)
+        .with_ansi(false)
+        .with_timer(time::uptime())
+        .init();
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        super::Cli::command().debug_assert();
+    }
+}

@@ -1,1 +1,22 @@
 //! Scene files in, baked GLB files out.
+//!
+//! - [`read_scene`] reads a scene of a known format and says in typed [`Warning`]s what it did not take over;
+//! - [`write_baked_glb`] writes a baked mesh as one ordinary GLB, all or nothing;
+//! - [`read_baked`] reads a baked file back, for pictures and measurements.
+//!
+//! Files come from anywhere: whatever their bytes, reading ends in a scene or in a [`FormatError`] that names the place,
+//! never in a panic, and takes memory in proportion to the input. Formats stay at this edge; nothing here computes light.
+
+mod atomic;
+mod baked_file;
+mod error;
+mod gltf;
+mod read;
+mod warning;
+
+pub use atomic::write_atomically;
+pub use baked_file::{BakedFile, BakedFilePart};
+pub use error::FormatError;
+pub use gltf::{BakeFacts, Written, baked_glb_bytes, write_baked_glb};
+pub use read::{ReadOptions, read_baked, read_scene, read_scene_with};
+pub use warning::Warning;

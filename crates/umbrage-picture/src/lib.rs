@@ -1,1 +1,54 @@
 //! Pictures of baked meshes: a small deterministic Gouraud rasteriser on the CPU.
+//!
+//! It draws what every ordinary renderer draws of a baked mesh (colours interpolated between vertices, single-sided
+//! triangles, sRGB), but slowly and exactly: no crack between triangles that share an edge, the same bytes on every run
+//! and with any number of threads. It is what the other ways of showing a bake are compared with.
+//!
+//! The crate knows neither scenes nor files; [`PictureMesh`] is plain tables. Design decision: samples on a regular 4 x 4
+//! grid and an average with equal weights, because a picture that is compared should be easy to predict.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `color` | exposure, clipping, sRGB: the only place that leaves linear light |
+//! | `mesh` | what is drawn |
+//! | `camera`, `view` | the camera, and the one where none is asked for |
+//! | `project` | clipping, projection, snapping to the grid |
+//! | `fill` | which samples a triangle covers |
+//! | `line` | wireframes and segments over the picture |
+//! | `band` | depth test and average of samples |
+//! | `render` | all of it, in parallel |
+//! | `picture` | pixels, PNG |
+//!
+//! ```
+//! use umbrage_picture::{Camera, PictureMesh, RenderSettings, default_camera, render};
+//!
+//! let mesh = PictureMesh {
+//!     positions_m: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+//!     colors: vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+//!     triangles: vec![[0, 1, 2]],
+//! };
+//! let camera = default_camera(&[mesh.clone()], 64, 64, Camera::DEFAULT_FOV_DEG)?.expect("there is a triangle");
+//! let settings = RenderSettings { width: 64, height: 64, ..RenderSettings::default() };
+//! let png: Vec<u8> = render(&[mesh], &[], &camera, &settings)?.png()?;
+//! # assert_eq!(&png[1..4], b"PNG");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod band;
+mod camera;
+pub mod color;
+mod fill;
+mod line;
+mod mesh;
+mod picture;
+mod project;
+mod render;
+mod view;
+
+pub use camera::{Camera, CameraError};
+pub use color::LinearRgb;
+pub use line::{Line, LineColor, LineSet, wireframe};
+pub use mesh::{MeshError, PictureMesh, bounds_m};
+pub use picture::{Picture, PngError};
+pub use render::{MAX_SIZE_PX, RenderError, RenderSettings, render};
+pub use view::default_camera;

@@ -30,3 +30,5 @@ pub mod transport;
 pub mod solve;
 
 pub mod shade;
+
+pub mod bake;

@@ -99,3 +99,175 @@ fn pairs(emitters: &Table<EmitterId, Emitter>, occluders: &OccluderEdges) -> Vec
     }
     pairs
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Degree, Event};
+    use super::*;
+    use crate::scene::{Material, Rgb};
+    use crate::visibility::fixture;
+    use glam::DVec3;
+
+    /// d-segments of grey polygons under lights, which come last.
+    fn find_in(grey: &[Vec<DVec3>], lights: &[Vec<DVec3>]) -> (Prepared, Discontinuities) {
+        let all: Vec<_> = grey.iter().map(|p| (p.clone(), 0)).chain(lights.iter().map(|p| (p.clone(), 1))).collect();
+        let prepared = fixture::prepared_of_materials(&all);
+        let materials = vec![Material::diffuse("grey", Rgb::splat(0.5)), Material::emitting("light", Rgb::ONE)];
+        let scene = Scene { materials: materials.into(), ..Scene::default() };
+        let visibility = Visibility::new(&prepared);
+        let found = find(&scene, &prepared, &visibility, Progress::silent()).unwrap();
+        (prepared, found)
+    }
+
+    fn square(middle: DVec3, half: f64, turn_rad: f64, up: bool) -> Vec<DVec3> {
+        let (u, v) =
+            (DVec3::new(turn_rad.cos(), turn_rad.sin(), 0.0), DVec3::new(-turn_rad.sin(), turn_rad.cos(), 0.0));
+        let mut corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| fixture::f32_point(middle + half * (x * u + y * v)))
+            .to_vec();
+        if !up {
+            corners.reverse();
+        }
+        corners
+    }
+
+    fn floor() -> Vec<DVec3> {
+        square(DVec3::ZERO, 3.0, 0.0, true)
+    }
+
+    fn on_floor(found: &Discontinuities) -> Vec<&DSegment> {
+        found.segments.iter().filter(|segment| segment.face == FaceId::from(0)).collect()
+    }
+
+    /// The line through a segment in the plane z = 0: unit normal and offset, in one canonical direction.
+    fn line(segment: &DSegment) -> (f64, f64, f64) {
+        let [p, q] = segment.ends_m.map(DVec3::truncate);
+        let n = (q - p).perp().normalize();
+        let n = if n.x < -1e-9 || (n.x.abs() < 1e-9 && n.y < 0.0) { -n } else { n };
+        (n.x, n.y, n.dot(p))
+    }
+
+    #[test]
+    fn fig_2_an_edge_vertex_event_falls_where_the_plane_of_both_meets_the_receiver() {
+        // One corner of a turned plate between one edge of the light and the floor.
+        let plate = square(DVec3::Z, 0.5, 0.4, true);
+        let light = square(DVec3::Z * 2.0, 0.5, 0.0, false);
+        let (prepared, found) = find_in(&[floor(), plate], &[light]);
+        let mut events = 0;
+        for segment in on_floor(&found) {
+            let Event::EdgeVertex { source, occluder, .. } = segment.event else { continue };
+            events += 1;
+            assert_eq!(segment.degree, Degree::D2);
+            let [p, q] = prepared.edges[source].ends.map(|v| prepared.vertices_m[v]);
+            let apex = prepared.vertices_m[occluder];
+            // Light at height 2, plate at 1: the floor is as far behind the vertex as the light before it.
+            let expected = [p, q].map(|source| 2.0 * apex - source);
+            for end in segment.ends_m {
+                let along = expected[1] - expected[0];
+                let t = (end - expected[0]).dot(along) / along.length_squared();
+                assert!((-1e-9..=1.0 + 1e-9).contains(&t), "inside the pencil: {t}");
+                assert!(end.distance(expected[0] + t * along) < 1e-6, "{end} is not on the line of {expected:?}");
+            }
+        }
+        assert_eq!(events, 16, "four edges of the light, four corners of the plate");
+    }
+
+    #[test]
+    fn a_parallel_plate_casts_umbra_and_penumbra_lines_of_degree_1_alone() {
+        let (_, found) =
+            find_in(&[floor(), square(DVec3::Z, 0.5, 0.0, true)], &[square(DVec3::Z * 2.0, 0.5, 0.0, false)]);
+        let segments = on_floor(&found);
+        assert!(segments.iter().all(|segment| segment.degree == Degree::D1));
+        let mut offsets: Vec<_> = segments.iter().map(|s| (line(s).2.abs() * 1e6).round() / 1e6).collect();
+        offsets.sort_by(f64::total_cmp);
+        offsets.dedup();
+        assert_eq!(offsets, [0.5, 1.5]);
+        assert_eq!(segments.len(), 8, "EV and VE of coplanar edges are merged: {segments:#?}");
+        assert!(
+            segments
+                .iter()
+                .all(|segment| (segment.length_m() - 3.0).abs() < 1e-6 || (segment.length_m() - 1.0).abs() < 1e-6)
+        );
+    }
+
+    #[test]
+    fn a_turned_plate_casts_vertex_edge_lines_too() {
+        let (_, found) =
+            find_in(&[floor(), square(DVec3::Z, 0.5, 0.4, true)], &[square(DVec3::Z * 2.0, 0.5, 0.0, false)]);
+        let segments = on_floor(&found);
+        let vertex_edge = segments.iter().filter(|s| matches!(s.event, Event::VertexEdge { .. })).count();
+        assert_eq!((segments.len(), vertex_edge), (32, 16));
+    }
+
+    #[test]
+    fn what_a_second_plate_hides_casts_nothing() {
+        let low = square(DVec3::Z * 0.5, 0.2, 0.4, true);
+        let screen = square(DVec3::Z * 1.5, 2.5, 0.0, true);
+        let light = square(DVec3::Z * 2.0, 0.1, 0.0, false);
+        let (prepared, found) = find_in(&[floor(), low, screen], &[light]);
+        let low_vertices: Vec<VertexId> = prepared.boundary(FaceId::from(1)).collect();
+        let from_low = on_floor(&found).into_iter().filter(|segment| match segment.event {
+            Event::EdgeVertex { occluder, .. } => low_vertices.contains(&occluder),
+            Event::VertexEdge { occluder, .. } | Event::EdgeEdge { occluder, .. } => {
+                prepared.edges[occluder].ends.iter().all(|end| low_vertices.contains(end))
+            }
+            _ => false,
+        });
+        assert_eq!(from_low.count(), 0);
+    }
+
+    #[test]
+    fn only_the_silhouette_of_a_box_casts() {
+        // Seen from a light right above, the lower edges of a box are no silhouette, the upper ones are.
+        let block = fixture::outward_box(DVec3::new(-0.5, -0.5, 0.5), DVec3::new(0.5, 0.5, 1.0));
+        let mut grey = vec![floor()];
+        grey.extend(block);
+        let (prepared, found) = find_in(&grey, &[square(DVec3::Z * 3.0, 0.1, 0.3, false)]);
+        for segment in on_floor(&found) {
+            let height = match segment.event {
+                Event::VertexEdge { occluder, .. } => {
+                    prepared.edges[occluder].ends.map(|v| prepared.vertices_m[v].z).into_iter().fold(0.0, f64::max)
+                }
+                Event::EdgeVertex { occluder, .. } => prepared.vertices_m[occluder].z,
+                _ => continue,
+            };
+            assert_eq!(height, 1.0, "{segment:?}");
+        }
+        assert_eq!(on_floor(&found).len(), 32);
+    }
+
+    #[test]
+    fn the_plane_of_a_light_below_the_ceiling_cuts_the_walls() {
+        let room = fixture::inward_box(DVec3::new(-2.0, -2.0, 0.0), DVec3::new(2.0, 2.0, 3.0));
+        let (_, found) = find_in(&room, &[square(DVec3::Z * 2.0, 0.3, 0.0, false)]);
+        let walls: Vec<_> = found.segments.iter().filter(|s| matches!(s.event, Event::SourcePlane { .. })).collect();
+        assert_eq!(walls.len(), 4);
+        for segment in walls {
+            assert!(segment.ends_m.iter().all(|end| (end.z - 2.0).abs() < 1e-6));
+            assert!((segment.length_m() - 4.0).abs() < 1e-5, "{segment:?}");
+            assert_eq!(segment.degree, Degree::D1);
+        }
+    }
+
+    #[test]
+    fn the_same_segments_come_from_one_and_two_threads() {
+        let find_with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let plate = square(DVec3::Z, 0.5, 0.4, true);
+                find_in(&[floor(), plate], &[square(DVec3::Z * 2.0, 0.5, 0.0, false)]).1.segments
+            })
+        };
+        assert_eq!(find_with(1), find_with(2));
+    }
+
+    #[test]
+    fn a_cancelled_search_stops() {
+        let stop = |_| std::ops::ControlFlow::Break(());
+        let prepared = fixture::prepared_of_materials(&[(floor(), 0), (square(DVec3::Z, 0.5, 0.0, false), 1)]);
+        let materials = vec![Material::diffuse("grey", Rgb::ONE), Material::emitting("light", Rgb::ONE)];
+        let scene = Scene { materials: materials.into(), ..Scene::default() };
+        let visibility = Visibility::new(&prepared);
+        assert_eq!(find(&scene, &prepared, &visibility, Progress::new(&stop)).unwrap_err(), Cancelled);
+    }
+}

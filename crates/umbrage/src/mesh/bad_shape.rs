@@ -40,3 +40,37 @@ impl Mesh {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{self, first, rectangle};
+    use glam::DVec2;
+
+    #[test]
+    fn a_long_rectangle_gets_a_point_in_each_long_side_and_is_cut_across() {
+        let mut mesh = sample::mesh(&[rectangle((0.0, 0.0), (20.0, 1.0))]);
+        mesh.add_point_hints(first());
+        assert_eq!(mesh.point_hints(first()).len(), 2);
+        assert!(mesh.split(first()));
+        let parts = mesh.patch(first()).subpatches.unwrap();
+        assert!(
+            parts.iter().all(|&part| (mesh.patch(part).area_m2 - 10.0).abs() < 1e-5 && mesh.polygon_m(part).len() == 4)
+        );
+    }
+
+    #[test]
+    fn a_needle_gets_points_in_its_long_sides_only() {
+        let mut mesh = sample::mesh(&[vec![DVec2::ZERO, DVec2::new(10.0, -0.5), DVec2::new(10.0, 0.5)]]);
+        mesh.add_point_hints(first());
+        assert_eq!(mesh.point_hints(first()).len(), 2);
+    }
+
+    #[test]
+    fn a_square_and_an_equilateral_triangle_are_left_alone() {
+        for corners in [rectangle((0.0, 0.0), (1.0, 1.0)), vec![DVec2::ZERO, DVec2::X, DVec2::new(0.5, 0.866)]] {
+            let mut mesh = sample::mesh(&[corners]);
+            mesh.add_point_hints(first());
+            assert!(mesh.point_hints(first()).is_empty());
+        }
+    }
+}

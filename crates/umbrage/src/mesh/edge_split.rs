@@ -108,3 +108,67 @@ impl Mesh {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{self, first, rectangle};
+    use super::*;
+    use proptest::prelude::*;
+
+    fn square_with(segments: &[(DVec2, DVec2, Degree)]) -> Mesh {
+        let segments: Vec<_> = segments.iter().map(|&(from, to, degree)| (0, from, to, degree)).collect();
+        sample::mesh_with(&[rectangle((0.0, 0.0), (1.0, 1.0))], &segments)
+    }
+
+    #[test]
+    fn the_hint_of_highest_priority_is_used_first() {
+        let mut mesh = square_with(&[
+            (DVec2::new(0.0, 0.3), DVec2::new(1.0, 0.3), Degree::D2),
+            (DVec2::new(0.4, 0.0), DVec2::new(0.4, 1.0), Degree::D1),
+        ]);
+        assert!(mesh.edge_split(first()));
+        let Some(subpatches) = mesh.patch(first()).subpatches else { panic!("not split") };
+        let mut areas = subpatches.map(|part| mesh.patch(part).area_m2);
+        areas.sort_by(f64::total_cmp);
+        assert!((areas[0] - 0.4).abs() < 1e-6, "{areas:?}");
+        assert!(
+            subpatches.iter().all(|&part| mesh.patch(part).edge_hints().len() == 1),
+            "the other is clipped into both"
+        );
+    }
+
+    #[test]
+    fn a_hint_that_ends_inside_is_prolonged_to_a_chord() {
+        let mut mesh = square_with(&[(DVec2::new(0.2, 0.5), DVec2::new(0.6, 0.5), Degree::D1)]);
+        assert!(mesh.edge_split(first()));
+        let new: Vec<DVec3> = (4..6).map(|i| mesh.vertex_m(i.into())).collect();
+        assert!(new.iter().all(|v| v.y == 0.5 && (v.x == 0.0 || v.x == 1.0)), "{new:?}");
+    }
+
+    #[test]
+    fn an_end_next_to_a_corner_snaps_but_not_for_degree_0() {
+        let ends = (DVec2::new(0.01, 0.0), DVec2::new(1.0, 0.995));
+        let mut soft = square_with(&[(ends.0, ends.1, Degree::D2)]);
+        assert!(soft.edge_split(first()));
+        assert_eq!(soft.vertex_count(), 4, "both ends snap to the corners");
+        let mut hard = square_with(&[(ends.0, ends.1, Degree::D0)]);
+        assert!(hard.edge_split(first()));
+        assert_eq!(hard.vertex_count(), 6);
+    }
+
+    proptest! {
+        #[test]
+        fn at_most_two_vertices_are_new_and_the_hint_is_used_up(
+            corners in sample::convex(3), from in (-0.9..0.9, -0.9..0.9), to in (-0.9..0.9, -0.9..0.9), degree in 0usize..3
+        ) {
+            let degree = [Degree::D0, Degree::D1, Degree::D2][degree];
+            let mut mesh = sample::mesh_with(&[corners], &[(0, from.into(), to.into(), degree)]);
+            prop_assume!(!mesh.patch(first()).edge_hints().is_empty());
+            let before = mesh.vertex_count();
+            let split = mesh.edge_split(first());
+            prop_assert!(mesh.vertex_count() <= before + 2);
+            prop_assert_eq!(split, mesh.patch(first()).subpatches.is_some());
+            prop_assert!(mesh.leaves().all(|leaf| mesh.patch(leaf).edge_hints().is_empty()));
+        }
+    }
+}

@@ -292,3 +292,76 @@ impl Mesh {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{self, first, rectangle};
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Two squares side by side; the left one is split so that a vertex lands on their common edge.
+    fn neighbours() -> (Mesh, PatchId) {
+        let cut = (0, DVec2::new(0.0, 0.5), DVec2::new(1.0, 0.5), Degree::D1);
+        let squares = [rectangle((0.0, 0.0), (1.0, 1.0)), rectangle((1.0, 0.0), (2.0, 1.0))];
+        let mut mesh = sample::mesh_with(&squares, &[cut]);
+        assert!(mesh.split(first()));
+        (mesh, PatchId::from(1))
+    }
+
+    #[test]
+    fn fig_1a_a_split_leaves_a_point_hint_and_does_not_touch_the_neighbour() {
+        let (mesh, neighbour) = neighbours();
+        assert!(mesh.patch(neighbour).subpatches.is_none());
+        let hints = mesh.point_hints(neighbour);
+        assert_eq!(hints.iter().map(|&v| mesh.vertex_m(v)).collect::<Vec<_>>(), [DVec3::new(1.0, 0.5, 0.0)]);
+        assert_eq!(mesh.polygon_m(neighbour).len(), 4, "the hint is not a corner of the patch");
+    }
+
+    #[test]
+    fn fig_1c_triangulation_anchors_the_hint() {
+        let (mut mesh, neighbour) = neighbours();
+        let hint = mesh.point_hints(neighbour)[0];
+        assert!(mesh.triangulate().is_empty());
+        assert!(mesh.leaves().all(|leaf| mesh.boundary(leaf).len() == 3 && mesh.point_hints(leaf).is_empty()));
+        let around_hint = |leaf: &PatchId| mesh.boundary(*leaf).iter().any(|point| point.vertex == hint);
+        let on_the_right = mesh.leaves().filter(|&leaf| mesh.patch(leaf).face == FaceId::from(1)).filter(around_hint);
+        assert!(on_the_right.count() >= 2, "an edge leads from the hint into the neighbour");
+        assert_eq!(sample::t_vertices(&mesh), 0);
+    }
+
+    #[test]
+    fn the_checker_of_these_tests_finds_a_t_vertex() {
+        let apart =
+            [rectangle((0.0, 0.0), (1.0, 0.5)), rectangle((0.0, 0.5), (1.0, 1.0)), rectangle((1.0, 0.0), (2.0, 1.0))];
+        assert!(sample::t_vertices(&sample::mesh(&apart)) > 0);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn random_splits_conform_and_lose_no_area(
+            picks in proptest::collection::vec(0usize..1000, 1..40),
+            lines in proptest::collection::vec(((0.0..2.0, 0.0..1.0), (0.0..2.0, 0.0..1.0), 0usize..3), 0..6),
+        ) {
+            let squares = [rectangle((0.0, 0.0), (1.0, 1.0)), rectangle((1.0, 0.0), (2.0, 1.0))];
+            let degrees = [Degree::D0, Degree::D1, Degree::D2];
+            let segments: Vec<_> = lines
+                .iter()
+                .flat_map(|&(from, to, degree)| [0, 1].map(|face| (face, DVec2::from(from), DVec2::from(to), degrees[degree])))
+                .collect();
+            let mut mesh = sample::mesh_with(&squares, &segments);
+            for pick in picks {
+                let leaves: Vec<PatchId> = mesh.leaves().collect();
+                mesh.split(leaves[pick % leaves.len()]);
+            }
+            mesh.remove_d0_hints();
+            prop_assert!(mesh.leaves().all(|leaf| !mesh.has_d0_hint(leaf)));
+            let stuck = mesh.triangulate();
+            prop_assert!(stuck.is_empty(), "{stuck:?}");
+            prop_assert_eq!(mesh.validate(), Ok(()));
+            let area: f64 = mesh.leaves().map(|leaf| mesh.patch(leaf).area_m2).sum();
+            prop_assert!((area - 2.0).abs() < 1e-5);
+            prop_assert_eq!(sample::t_vertices(&mesh), 0);
+        }
+    }
+}

@@ -7,6 +7,8 @@ mod edge_tree;
 mod mesh;
 mod patch;
 mod point_split;
+#[cfg(test)]
+mod sample;
 mod score;
 mod split;
 mod split_hint;

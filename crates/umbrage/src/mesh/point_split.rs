@@ -119,3 +119,98 @@ impl Mesh {
         stuck
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{self, first, rectangle};
+    use super::super::{MeshSettings, SplitScore};
+    use super::*;
+    use crate::discontinuity::Degree;
+    use proptest::prelude::*;
+
+    #[test]
+    fn fig_3_chords_join_corners_and_hints_that_lie_on_different_sides() {
+        let mut mesh = sample::mesh(&[rectangle((0.0, 0.0), (1.0, 1.0))]);
+        let lower = mesh.boundary(first())[0].leaf.edge;
+        let hint = mesh.split_at_middle(lower);
+        let edges = mesh.splitting_edges(first());
+        // Two diagonals, and the hint with the two corners of the opposite side; never along a side.
+        assert_eq!(edges.len(), 4);
+        assert_eq!(edges.iter().filter(|ends| ends.iter().any(|end| end.vertex == hint)).count(), 2);
+    }
+
+    #[test]
+    fn a_triangle_offers_no_chord() {
+        let mesh = sample::mesh(&[vec![DVec2::ZERO, DVec2::X, DVec2::Y]]);
+        assert!(mesh.splitting_edges(first()).is_empty());
+    }
+
+    /// Which chord splits a 10 x 1 rectangle with points in the middle of its long sides.
+    fn cut_of_long_rectangle(score: SplitScore) -> f64 {
+        let mut mesh = sample::mesh(&[rectangle((0.0, 0.0), (10.0, 1.0))]);
+        mesh.settings = MeshSettings { score, ..mesh.settings };
+        for i in [0, 2] {
+            let leaf = mesh.boundary(first()).iter().filter(|point| point.corner).nth(i).map(|point| point.leaf.edge);
+            mesh.split_at_middle(leaf.unwrap());
+        }
+        assert!(mesh.point_split(first()));
+        let [part, _] = mesh.patch(first()).subpatches.unwrap();
+        mesh.compactness(part)
+    }
+
+    #[test]
+    fn the_default_score_takes_the_cross_cut_where_equation_1_ties() {
+        assert!(cut_of_long_rectangle(SplitScore::WellShaped) > 0.4);
+        assert!(cut_of_long_rectangle(SplitScore::Eq1) < 0.3, "Eq. (1) takes the first of the ties, a diagonal");
+    }
+
+    #[test]
+    fn equation_1_finds_the_chord_of_least_area_difference_times_length() {
+        let corners =
+            vec![(0.0, 0.0), (2.0, 0.0), (3.0, 1.0), (2.0, 2.0), (0.0, 1.5)].into_iter().map(DVec2::from).collect();
+        let mut mesh = sample::mesh(&[corners]);
+        mesh.settings.score = SplitScore::Eq1;
+        let corners = mesh.polygon_2d_m(first());
+        let area = |p: &[DVec2]| crate::geometry::polygon::signed_area_2d_m2(p);
+        let best = (0..5)
+            .flat_map(|i| (i + 2..5).filter(move |j| j - i < 4).map(move |j| (i, j)))
+            .map(|(i, j)| {
+                let part = area(&corners[i..=j]);
+                (2.0 * part - area(&corners)).abs() * corners[i].distance(corners[j])
+            })
+            .fold(f64::INFINITY, f64::min);
+        assert!(mesh.point_split(first()));
+        let parts = mesh.patch(first()).subpatches.unwrap().map(|part| mesh.patch(part).area_m2);
+        // A lone pentagon has edges 0 to 4; the chord is the next.
+        let chord = mesh.edges().ends(crate::id::EdgeId::from(5)).map(|v| mesh.vertex_m(v));
+        assert!(((parts[0] - parts[1]).abs() * chord[0].distance(chord[1]) - best).abs() < 1e-6);
+    }
+
+    proptest! {
+        #[test]
+        fn no_vertex_and_no_hint_is_new(corners in sample::convex(4), hints in 0usize..4) {
+            let mut mesh = sample::mesh_with(&[corners], &[(0, DVec2::ZERO, DVec2::X, Degree::D1)]);
+            for i in 0..hints {
+                let leaf = mesh.boundary(first())[2 * i].leaf.edge;
+                mesh.split_at_middle(leaf);
+            }
+            let (vertices, edges, points) = (mesh.vertex_count(), mesh.edges().len(), mesh.boundary(first()).len());
+            prop_assert!(mesh.point_split(first()));
+            prop_assert_eq!(mesh.vertex_count(), vertices);
+            prop_assert_eq!(mesh.edges().len(), edges + 1, "the chord alone is new");
+            let parts = mesh.patch(first()).subpatches.unwrap();
+            let parts_points: usize = parts.iter().map(|&part| mesh.boundary(part).len()).sum();
+            prop_assert_eq!(parts_points, points + 2);
+            prop_assert!(parts.iter().map(|&part| mesh.patch(part).edge_hints().len()).sum::<usize>() <= 2);
+        }
+
+        #[test]
+        fn triangulation_adds_no_vertex(corners in sample::convex(4)) {
+            let count = corners.len();
+            let mut mesh = sample::mesh(&[corners]);
+            prop_assert!(mesh.triangulate().is_empty());
+            prop_assert_eq!(mesh.vertex_count(), count);
+            prop_assert_eq!(mesh.leaves().count(), count - 2);
+        }
+    }
+}

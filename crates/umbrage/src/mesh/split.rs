@@ -46,3 +46,55 @@ impl Mesh {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{self, first, rectangle};
+    use super::super::{Cut, MeshSettings};
+    use crate::discontinuity::Degree;
+    use glam::DVec2;
+
+    fn cut_of(corners: Vec<DVec2>, hint: bool) -> Option<Cut> {
+        let segments = [(0, DVec2::new(0.1, 0.1), DVec2::new(0.4, 0.3), Degree::D1)];
+        let mut mesh = sample::mesh_with(&[corners], if hint { &segments } else { &[] });
+        mesh.settings = MeshSettings { mend_bad_shapes: false, ..mesh.settings };
+        assert!(mesh.split(first()));
+        mesh.patch(first()).cut
+    }
+
+    #[test]
+    fn edge_hints_come_before_points_and_points_before_the_triangle() {
+        let (square, triangle) = (rectangle((0.0, 0.0), (1.0, 1.0)), vec![DVec2::ZERO, DVec2::X, DVec2::Y]);
+        assert!(matches!(cut_of(square.clone(), true), Some(Cut::EdgeHint(_))));
+        assert!(matches!(cut_of(triangle.clone(), true), Some(Cut::EdgeHint(_))));
+        assert_eq!(cut_of(square, false), Some(Cut::Points));
+        assert_eq!(cut_of(triangle, false), Some(Cut::Triangle));
+    }
+
+    #[test]
+    fn a_split_patch_stays_as_it_is() {
+        let mut mesh = sample::mesh(&[rectangle((0.0, 0.0), (1.0, 1.0))]);
+        assert!(mesh.split(first()));
+        let (patches, vertices) = (mesh.patch_count(), mesh.vertex_count());
+        assert!(mesh.split(first()));
+        assert_eq!((mesh.patch_count(), mesh.vertex_count()), (patches, vertices));
+    }
+
+    #[test]
+    fn d0_hints_are_removed_and_others_left() {
+        let d0 = (0, DVec2::new(0.2, 0.2), DVec2::new(0.6, 0.3), Degree::D0);
+        let d1 = (0, DVec2::new(0.1, 0.9), DVec2::new(0.9, 0.8), Degree::D1);
+        let mut mesh = sample::mesh_with(&[rectangle((0.0, 0.0), (1.0, 1.0))], &[d0, d1]);
+        assert!(mesh.has_d0_hint(first()));
+        mesh.remove_d0_hints();
+        assert_eq!(mesh.leaves().count(), 2);
+        assert!(mesh.leaves().any(|leaf| !mesh.patch(leaf).edge_hints().is_empty()));
+    }
+
+    #[test]
+    fn a_speck_cannot_be_split() {
+        let speck = vec![DVec2::ZERO, DVec2::new(1e-7, 0.0), DVec2::new(0.0, 1e-7)];
+        let mut mesh = sample::mesh(&[speck, rectangle((1.0, 0.0), (2.0, 1.0))]);
+        assert!(!mesh.split(first()));
+    }
+}

@@ -27,3 +27,40 @@ impl Mesh {
         true
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{self, first};
+    use super::*;
+    use glam::DVec2;
+    use proptest::prelude::*;
+
+    #[test]
+    fn fig_4_the_longest_edge_is_split_and_the_neighbour_gets_a_hint() {
+        let long = [DVec2::new(0.0, 0.0), DVec2::new(4.0, 0.0)];
+        let mut mesh = sample::mesh(&[
+            vec![long[0], long[1], DVec2::new(1.0, 2.0)],
+            vec![long[1], long[0], DVec2::new(2.0, -3.0)],
+        ]);
+        assert!(mesh.triangle_split(first()));
+        let hints = mesh.point_hints(PatchId::from(1));
+        assert_eq!(hints.iter().map(|&v| mesh.vertex_m(v).truncate()).collect::<Vec<_>>(), [DVec2::new(2.0, 0.0)]);
+        let parts = mesh.patch(first()).subpatches.unwrap();
+        assert!(parts.iter().all(|&part| mesh.boundary(part).len() == 3));
+    }
+
+    proptest! {
+        #[test]
+        fn one_vertex_and_one_hint_are_new(corners in sample::convex(3)) {
+            let corners = corners[..3].to_vec();
+            let area = crate::geometry::polygon::signed_area_2d_m2(&corners);
+            prop_assume!(area > 0.01);
+            let mut mesh = sample::mesh(&[corners]);
+            prop_assert!(mesh.triangle_split(first()));
+            prop_assert_eq!(mesh.vertex_count(), 4);
+            prop_assert_eq!(mesh.point_hints(first()).len(), 1);
+            let parts = mesh.patch(first()).subpatches.unwrap().map(|part| mesh.patch(part).area_m2);
+            prop_assert!((parts[0] - parts[1]).abs() < 1e-6, "the halves are equal");
+        }
+    }
+}

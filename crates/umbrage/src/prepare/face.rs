@@ -76,6 +76,8 @@ pub struct PrepareReport {
     pub welded_corners: usize,
     /// Polygons without area that were left out.
     pub degenerate_polygons: usize,
+    /// Polygons with the same corners as an earlier one, that were left out.
+    pub duplicate_polygons: usize,
     /// Polygons that were not plane and were cut into triangles.
     pub nonplanar_polygons: usize,
     /// Vertices of the input that lay inside another polygon's edge (T-vertices), and cut it.
@@ -84,6 +86,8 @@ pub struct PrepareReport {
     pub contact_edges: usize,
     /// Regions where coplanar polygons that look the same way overlapped, and the smaller won.
     pub overlaps: usize,
+    /// Cuts that rounding left no room for, and that were left out.
+    pub dropped_cuts: usize,
 }
 
 /// The prepared scene.

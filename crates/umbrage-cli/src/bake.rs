@@ -1,0 +1,86 @@
+//! `umbrage bake`: a scene in, a baked GLB out.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::Context;
+use clap::Args;
+use serde_json::Map;
+use umbrage::bake::{self, Bake, BakeSettings};
+use umbrage::progress::Progress;
+use umbrage::scene::Scene;
+use umbrage_formats::{BakeFacts, ReadOptions, Written, write_baked_glb};
+
+use crate::method::{MethodArgs, positive, share};
+use crate::output::Output;
+use crate::progress::Bar;
+use crate::{interrupt, scene_file, summary};
+
+const HELP: &str = "\
+Examples:
+  umbrage bake room.glb -o baked.glb
+  umbrage bake room.glb -o fine.glb --max-form-factor 0.01
+  umbrage bake room.glb -o brighter.glb --exposure 2.5
+
+A scene needs at least one material that gives light (glTF: emissiveFactor, in Blender: Emission). Units are metres and \
+W/m2; a surface is lit on its front, unless its material is double-sided.";
+
+/// Bake a scene: write a GLB whose triangles follow the shadows and whose vertices carry the light
+#[derive(Debug, Args)]
+#[command(after_help = HELP)]
+pub(crate) struct BakeArgs {
+    /// The scene: glTF 2.0 (.glb or .gltf)
+    scene: PathBuf,
+    /// The baked file to write (.glb); replaced if it exists
+    #[arg(short, long, value_name = "OUT.glb")]
+    output: PathBuf,
+    /// Colours are K times E/pi, the light of a white surface in W/(m2 sr), cut off at white: a greater K is brighter
+    /// [default: so that little of the scene is cut off]
+    #[arg(long, value_name = "K", value_parser = positive)]
+    exposure: Option<f64>,
+    /// Take no surface to reflect more than this share of the light: a white closed room has no solution
+    #[arg(long, value_name = "R", value_parser = share, default_value_t = 0.9)]
+    max_reflectance: f64,
+    #[command(flatten)]
+    method: MethodArgs,
+}
+
+pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
+    interrupt::listen()?;
+    let begin = Instant::now();
+    let scene = scene_file::read(&args.scene, &ReadOptions { max_reflectance: args.max_reflectance })?;
+    let settings = args.method.settings();
+    let bake =
+        bake_scene(&scene, &settings, output).with_context(|| format!("cannot bake {}", args.scene.display()))?;
+    let written = write(&scene, &bake, &settings, args.exposure, &args.output)?;
+    let summary = summary::summary(&bake.report, &written, begin.elapsed());
+    output.say(&format!("{summary}Wrote {} ({})", args.output.display(), summary::bytes(written.bytes)))
+}
+
+/// Bakes with progress on the terminal; Ctrl-C cancels.
+pub(crate) fn bake_scene(scene: &Scene, settings: &BakeSettings, output: Output) -> anyhow::Result<Bake> {
+    interrupt::check()?;
+    let bar = Bar::new(output);
+    let callback = |update| bar.update(update);
+    let bake = bake::bake(scene, settings, Progress::new(&callback));
+    bar.clear();
+    Ok(bake?)
+}
+
+/// Writes a bake as GLB, and with it how it was made.
+pub(crate) fn write(
+    scene: &Scene,
+    bake: &Bake,
+    settings: &BakeSettings,
+    exposure: Option<f64>,
+    path: &Path,
+) -> anyhow::Result<Written> {
+    interrupt::check()?;
+    let mut extras = Map::new();
+    extras.insert("max_form_factor".into(), settings.max_form_factor.into());
+    extras.insert("min_area_m2".into(), settings.min_area_m2.into());
+    extras.insert("score".into(), settings.score.to_string().into());
+    extras.insert("discontinuities".into(), settings.discontinuities.into());
+    let facts = BakeFacts { exposure, residual: bake.report.residual, extras };
+    Ok(write_baked_glb(scene, &bake.mesh, &facts, path)?)
+}

@@ -1,0 +1,161 @@
+//! `umbrage info`: what is in a scene, before it is baked.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use glam::DVec3;
+use umbrage::geometry::polygon;
+use umbrage::id::{MaterialId, SurfaceId};
+use umbrage::scene::{Rgb, Scene};
+
+use umbrage_formats::ReadOptions;
+
+use crate::output::{Output, answer, warning};
+use crate::scene_file;
+use crate::summary::grouped;
+
+/// Tell what is in a scene: polygons, area, materials, what gives light and how much
+#[derive(Debug, Args)]
+pub(crate) struct InfoArgs {
+    /// The scene: glTF 2.0 (.glb or .gltf)
+    scene: PathBuf,
+}
+
+pub(crate) fn run(args: &InfoArgs, _output: Output) -> anyhow::Result<()> {
+    let scene = scene_file::read(&args.scene, &ReadOptions { max_reflectance: 1.0 })?;
+    if let Err(error) = scene.validate() {
+        warning(&format!("{}: cannot be baked: {error}", args.scene.display()));
+    }
+    answer(&describe(&scene))
+}
+
+/// Area of the polygons of a material that can be measured, in square metres; a double-sided one counts once.
+fn area_m2(scene: &Scene, material: MaterialId) -> f64 {
+    let areas = scene.surfaces.iter_enumerated().filter(|(_, s)| s.material == material).map(|(id, surface)| {
+        let sound = |&n: &usize| surface.polygons[n].iter().all(|&i| (i as usize) < surface.positions_m.len());
+        let area = |n| polygon::area_m2(&scene.corners_m(id, n).collect::<Vec<DVec3>>());
+        (0..surface.polygons.len()).filter(sound).map(area).sum::<f64>()
+    });
+    areas.sum()
+}
+
+/// Flux that an area of a material gives, in watts.
+fn flux_w(scene: &Scene, material: MaterialId, area_m2: f64) -> Rgb {
+    let sides = if scene.materials[material].double_sided { 2.0 } else { 1.0 };
+    sides * area_m2 * scene.materials[material].exitance()
+}
+
+/// The least and the greatest corner of all polygons, in metres.
+fn bounds_m(scene: &Scene) -> Option<[DVec3; 2]> {
+    let ids = (0..scene.surfaces.len()).map(SurfaceId::from);
+    let polygons = ids.flat_map(|id| (0..scene.surfaces[id].polygons.len()).map(move |n| (id, n)));
+    let used = polygons.flat_map(|(id, n)| {
+        let surface = &scene.surfaces[id];
+        surface.polygons[n].iter().filter_map(|&i| surface.positions_m.get(i as usize).copied())
+    });
+    used.fold(None, |bounds: Option<[DVec3; 2]>, p| {
+        let [low, high] = bounds.unwrap_or([p, p]);
+        Some([low.min(p), high.max(p)])
+    })
+}
+
+fn describe(scene: &Scene) -> String {
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{name:<10}  {value}");
+    };
+    let materials: Vec<(MaterialId, f64)> =
+        (0..scene.materials.len()).map(MaterialId::from).map(|id| (id, area_m2(scene, id))).collect();
+    line("scene", scene.name.clone());
+    line("nodes", grouped(scene.nodes.len()));
+    line("surfaces", grouped(scene.surfaces.len()));
+    line("polygons", grouped(scene.polygon_count()));
+    line("area", format!("{} m2", rounded(materials.iter().map(|(_, area)| area).sum())));
+    if let Some([low, high]) = bounds_m(scene) {
+        let [low, high, size] = [low, high, high - low].map(|p| p.to_array().map(rounded));
+        line("bounds", format!("{} to {} m", low.join(","), high.join(",")));
+        line("size", format!("{} m", size.join(" x ")));
+    }
+    line("materials", grouped(materials.len()));
+    for &(id, area) in &materials {
+        let material = &scene.materials[id];
+        let sides = if material.double_sided { ", double-sided" } else { "" };
+        let light = if material.emits() {
+            format!(", gives light: radiance {} W/(m2 sr)", rgb(material.radiance))
+        } else {
+            String::new()
+        };
+        line(
+            "",
+            format!("{:?}: {} m2, reflects {}{sides}{light}", material.name, rounded(area), rgb(material.reflectance)),
+        );
+    }
+    let lights: Vec<(MaterialId, f64)> =
+        materials.into_iter().filter(|&(id, area)| scene.materials[id].emits() && area > 0.0).collect();
+    line("emitters", if lights.is_empty() { "none".into() } else { "flux of each in W (red, green, blue)".into() });
+    let mut total = Rgb::ZERO;
+    for (id, area) in lights {
+        let flux = flux_w(scene, id, area);
+        total += flux;
+        line("", format!("{:?}: {}", scene.materials[id].name, rgb(flux)));
+    }
+    if total != Rgb::ZERO {
+        line("", format!("total: {}", rgb(total)));
+    }
+    text
+}
+
+/// A colour, or a quantity at red, green and blue.
+fn rgb(color: Rgb) -> String {
+    color.to_array().map(rounded).join(" ")
+}
+
+/// A number with four digits that count.
+fn rounded(x: f64) -> String {
+    let decimals = if x == 0.0 || !x.is_finite() { 0 } else { (3 - x.abs().log10().floor() as i32).clamp(0, 9) };
+    let text = format!("{x:.*}", decimals as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use umbrage::scene::cornell::cornell_box;
+
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(
+            [0.0, 0.5, 123_456.0, 1.234_56, -0.000_123_45].map(rounded),
+            ["0", "0.5", "123456", "1.235", "-0.0001234"]
+        );
+    }
+
+    #[test]
+    fn the_cornell_box_is_described() {
+        let text = describe(&cornell_box());
+        // 0.13 x 0.105 m of light; pi x 18.387 x 0.01365 = 0.7885 W of red.
+        for expected in ["polygons    20", "total: 0.7885 0.5998 0.2896", "0.01365 m2", "0.556 x 0.5488 x 0.5592 m"] {
+            assert!(text.contains(expected), "{expected} is not in\n{text}");
+        }
+    }
+
+    #[test]
+    fn a_double_sided_light_gives_twice_the_flux() {
+        let mut scene = cornell_box();
+        let light = MaterialId::from(3);
+        let one = flux_w(&scene, light, 1.0);
+        scene.materials[light].double_sided = true;
+        assert_eq!(flux_w(&scene, light, 1.0), 2.0 * one);
+    }
+
+    #[test]
+    fn a_broken_scene_is_described_too() {
+        let mut scene = cornell_box();
+        scene.surfaces[SurfaceId::from(0)].polygons[0][0] = 4_000_000;
+        assert!(describe(&scene).contains("polygons    20"));
+        assert!(describe(&Scene::default()).contains("emitters    none"));
+    }
+}

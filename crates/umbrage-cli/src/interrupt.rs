@@ -1,0 +1,34 @@
+//! Ctrl-C: the first one asks a bake to stop, the second one ends the process at once.
+//!
+//! Holds: the signal handler only sets a flag, which the progress callback reads; commands that report no progress keep
+//! the system's behaviour.
+
+use std::process;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::Context;
+
+use crate::exit_code::ExitCode;
+
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// From now on, Ctrl-C sets the flag.
+pub(crate) fn listen() -> anyhow::Result<()> {
+    ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            process::exit(ExitCode::Interrupted.into());
+        }
+    })
+    .context("cannot listen for Ctrl-C")
+}
+
+/// Whether Ctrl-C was pressed since [`listen`].
+pub(crate) fn was_interrupted() -> bool {
+    INTERRUPTED.load(Ordering::Relaxed)
+}
+
+/// Fails where Ctrl-C was pressed: for places that report no progress.
+pub(crate) fn check() -> anyhow::Result<()> {
+    anyhow::ensure!(!was_interrupted(), "interrupted");
+    Ok(())
+}

@@ -1,0 +1,98 @@
+//! The two streams: what was asked for on standard output, everything else on standard error.
+//!
+//! Colours are kept on a terminal only (and `NO_COLOR` is heeded).
+
+use std::error::Error;
+use std::io::{self, Write};
+
+use anstream::{stderr, stdout};
+use clap::builder::styling::{AnsiColor, Style};
+
+const ERROR: Style = AnsiColor::Red.on_default().bold();
+const WARNING: Style = AnsiColor::Yellow.on_default().bold();
+
+/// How much a command says.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Output {
+    /// Nothing but warnings and errors.
+    pub(crate) quiet: bool,
+    /// A log runs on standard error, where a progress bar would disturb it.
+    pub(crate) logging: bool,
+}
+
+impl Output {
+    /// Says what was not asked for by name: a summary, what to do next.
+    pub(crate) fn say(self, text: &str) -> anyhow::Result<()> {
+        if self.quiet { Ok(()) } else { answer(text) }
+    }
+}
+
+/// Writes what was asked for, as a block of whole lines.
+pub(crate) fn answer(text: &str) -> anyhow::Result<()> {
+    let mut stream = stdout().lock();
+    stream.write_all(text.as_bytes())?;
+    if !text.ends_with('\n') {
+        stream.write_all(b"\n")?;
+    }
+    Ok(stream.flush()?)
+}
+
+/// Writes a warning.
+pub(crate) fn warning(text: &str) {
+    report(WARNING, "warning", text);
+}
+
+/// Writes an error.
+pub(crate) fn error(text: &str) {
+    report(ERROR, "error", text);
+}
+
+/// Writes an error and its causes, one below the other.
+pub(crate) fn error_chain(error: &anyhow::Error) {
+    self::error(&chain(error.as_ref()));
+}
+
+fn report(style: Style, kind: &str, text: &str) {
+    // Where standard error is closed, there is nobody to tell.
+    let _ = writeln!(stderr().lock(), "{style}{kind}:{style:#} {text}");
+}
+
+/// An error and its causes, each on a line of its own, but for causes that the line above already quotes.
+fn chain(error: &(dyn Error + 'static)) -> String {
+    let mut text = error.to_string();
+    let mut last = text.clone();
+    let mut next = error.source();
+    while let Some(cause) = next {
+        let message = cause.to_string();
+        if !last.contains(&message) {
+            text += "\n  because: ";
+            text += &message;
+            last = message;
+        }
+        next = cause.source();
+    }
+    text
+}
+
+/// Whether writing failed because nobody reads any more.
+pub(crate) fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    error
+        .chain()
+        .any(|cause| cause.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe))
+}
+
+#[cfg(test)]
+mod tests {
+    use anyhow::Context;
+
+    use super::*;
+
+    #[test]
+    fn a_chain_tells_each_cause_once() {
+        let error = Err::<(), _>(io::Error::other("disk on fire"))
+            .context("room.glb: cannot be read: disk on fire")
+            .context("cannot bake")
+            .unwrap_err();
+        assert_eq!(chain(error.as_ref()), "cannot bake\n  because: room.glb: cannot be read: disk on fire");
+    }
+}

@@ -1,0 +1,77 @@
+//! Progress of a bake on a terminal: a bar for the stage that runs, with what is done and what there is to do.
+//!
+//! Nothing is drawn where standard error is no terminal, with `--quiet`, or while a log runs there.
+
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use umbrage::progress::{Stage, Update};
+
+use crate::interrupt;
+use crate::output::Output;
+
+const COUNTED: &str = "{msg:>14} [{bar:32}] {human_pos}/{human_len}  {elapsed}";
+const UNCOUNTED: &str = "{msg:>14} {spinner} {human_pos}  {elapsed}";
+
+/// A progress bar, and the stage that it shows.
+pub(crate) struct Bar {
+    bar: ProgressBar,
+    shown: Mutex<Option<(Stage, u64)>>,
+}
+
+impl Bar {
+    /// A bar on standard error, where it may be drawn.
+    pub(crate) fn new(output: Output) -> Self {
+        let target =
+            if output.quiet || output.logging { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        Self { bar: ProgressBar::with_draw_target(None, target), shown: Mutex::new(None) }
+    }
+
+    /// Shows an update, and asks to stop after Ctrl-C. Called from many threads, often.
+    pub(crate) fn update(&self, update: Update) -> ControlFlow<()> {
+        if interrupt::was_interrupted() {
+            return ControlFlow::Break(());
+        }
+        // Where another thread is drawing, this update may be lost: the next one comes soon.
+        if !self.bar.is_hidden()
+            && let Ok(mut shown) = self.shown.try_lock()
+        {
+            let stage = Some((update.stage, update.total));
+            if *shown != stage {
+                self.start(update, shown.is_none_or(|(stage, _)| stage != update.stage));
+                *shown = stage;
+            }
+            self.bar.set_position(update.done);
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn start(&self, update: Update, new_stage: bool) {
+        let template = if update.total > 0 { COUNTED } else { UNCOUNTED };
+        // Without its style a bar is less pretty, but tells the same.
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            self.bar.set_style(style.progress_chars("=> "));
+        }
+        self.bar.set_message(update.stage.to_string());
+        self.bar.set_length(update.total);
+        if new_stage {
+            self.bar.reset_elapsed();
+        }
+    }
+
+    /// Removes the bar.
+    pub(crate) fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_templates_are_sound() {
+        assert!(ProgressStyle::with_template(COUNTED).is_ok() && ProgressStyle::with_template(UNCOUNTED).is_ok());
+    }
+}

@@ -1,0 +1,116 @@
+//! What a bake tells at its end: how much of what, how long, and what was mended.
+
+use std::fmt::Write;
+use std::time::Duration;
+
+use umbrage::bake::Report;
+use umbrage_formats::Written;
+
+use crate::memory;
+
+/// The summary of a bake that took `elapsed` with reading and writing.
+pub(crate) fn summary(report: &Report, written: &Written, elapsed: Duration) -> String {
+    let mut text = format!("Baked in {}\n", seconds(elapsed.as_secs_f64()));
+    let mut line = |name: &str, value: String| {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "  {name:<12}  {value}");
+    };
+    let [d0, d1, d2] = report.d_segments.map(grouped);
+    line("polygons", grouped(report.prepare.polygons));
+    line("faces", grouped(report.faces));
+    line("d-segments", format!("{d0} of degree 0, {d1} of degree 1, {d2} of degree 2"));
+    line("patches", grouped(report.patches));
+    line("links", grouped(report.links));
+    line("vertices", grouped(report.vertices));
+    line("triangles", grouped(report.triangles));
+    line("residual", format!("{:.1e} after {}", report.residual, count(report.iterations, "iteration")));
+    let clipped = match written.clipped_vertices {
+        0 => String::new(),
+        n => format!(", {} cut off at white", count(n, "vertex|vertices")),
+    };
+    line("exposure", format!("{:.4}{clipped}", written.exposure_k));
+    let stages: Vec<String> = report.seconds.iter().map(|(stage, s)| format!("{stage} {}", seconds(*s))).collect();
+    line("time", stages.join(", "));
+    if let Some(bytes) = memory::peak_bytes() {
+        line("peak memory", self::bytes(bytes));
+    }
+    let mended = mended(report);
+    if !mended.is_empty() {
+        line("mended", mended.join(", "));
+    }
+    text
+}
+
+/// What `prepare` mended, where it mended anything.
+fn mended(report: &Report) -> Vec<String> {
+    let prepare = &report.prepare;
+    [
+        (prepare.welded_corners, "welded corner"),
+        (prepare.degenerate_polygons, "polygon without area left out|polygons without area left out"),
+        (prepare.nonplanar_polygons, "polygon that was not plane|polygons that were not plane"),
+        (prepare.t_vertices, "T-vertex of the input|T-vertices of the input"),
+        (prepare.contact_edges, "contact edge"),
+        (prepare.overlaps, "overlap"),
+    ]
+    .into_iter()
+    .filter(|(n, _)| *n > 0)
+    .map(|(n, nouns)| count(n, nouns))
+    .collect()
+}
+
+/// `1 noun`, `2,000 nouns`; the plural stands after a bar where it is more than an `s`.
+pub(crate) fn count(n: usize, nouns: &str) -> String {
+    match (n, nouns.split_once('|')) {
+        (1, Some((one, _))) => format!("1 {one}"),
+        (1, None) => format!("1 {nouns}"),
+        (_, Some((_, many))) => format!("{} {many}", grouped(n)),
+        (_, None) => format!("{} {nouns}s", grouped(n)),
+    }
+}
+
+/// A number with its thousands apart: `1,234,567`.
+pub(crate) fn grouped(n: usize) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A time: `0.12 s`, `12.3 s`, `2 min 5 s`.
+fn seconds(s: f64) -> String {
+    match s {
+        _ if s < 10.0 => format!("{s:.2} s"),
+        _ if s < 60.0 => format!("{s:.1} s"),
+        _ => format!("{} min {} s", (s.round() / 60.0).floor(), s.round() % 60.0),
+    }
+}
+
+/// A size: `512 B`, `1.5 MiB`.
+pub(crate) fn bytes(n: u64) -> String {
+    let (mut size, mut unit) = (n as f64, "B");
+    for larger in ["KiB", "MiB", "GiB", "TiB"] {
+        if size < 1024.0 {
+            break;
+        }
+        (size, unit) = (size / 1024.0, larger);
+    }
+    if unit == "B" || size >= 100.0 { format!("{size:.0} {unit}") } else { format!("{size:.1} {unit}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_told_readably() {
+        assert_eq!([0, 999, 1000, 1234567].map(grouped), ["0", "999", "1,000", "1,234,567"]);
+        assert_eq!([0.123, 12.34, 59.94, 125.2].map(seconds), ["0.12 s", "12.3 s", "59.9 s", "2 min 5 s"]);
+        assert_eq!([512, 1536, 300 << 20].map(bytes), ["512 B", "1.5 KiB", "300 MiB"]);
+        assert_eq!(count(1, "node") + " " + &count(2, "T-vertex|T-vertices"), "1 node 2 T-vertices");
+    }
+}

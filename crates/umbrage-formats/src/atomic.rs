@@ -1,0 +1,118 @@
+//! Atomic writes: a reader sees the old file or the new one, never a half.
+//!
+//! The bytes go to a temporary file beside the target, which is then renamed over it. A failure or a killed process
+//! leaves the target as it was. A link is followed, and a device (`/dev/null`) is written to, never replaced.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+
+use crate::FormatError;
+
+/// Writes `bytes` to `path`, all or nothing.
+///
+/// # Errors
+/// [`FormatError::Unwritable`] if the folder, the temporary file or the renaming is refused; the old file then stands.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
+    write(path, bytes).map_err(|source| FormatError::Unwritable { file: path.display().to_string(), source })
+}
+
+fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let old = fs::metadata(path).ok();
+    if old.as_ref().is_some_and(|old| !old.is_file() && !old.is_dir()) {
+        return fs::write(path, bytes);
+    }
+    let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let path = real.as_path();
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".umbrage-").suffix(".part");
+    // A temporary file is private by default; the result should be as readable as the file it replaces, or as any
+    // other new one.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder)?;
+    if let Some(old) = old {
+        if old.is_dir() {
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, "there is a folder of this name"));
+        }
+        file.as_file().set_permissions(old.permissions())?;
+    }
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|e| e.error)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> =
+            fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_write_replaces_the_old_file_and_leaves_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.glb");
+        write_atomically(&path, b"one").unwrap();
+        write_atomically(&path, b"two").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"two");
+        assert_eq!(names(folder.path()), ["out.glb"]);
+    }
+
+    #[test]
+    fn a_missing_folder_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("none").join("out.glb");
+        let message = write_atomically(&path, b"one").unwrap_err().to_string();
+        assert!(message.contains("out.glb") && message.contains("folder exists"), "{message}");
+    }
+
+    #[test]
+    fn a_folder_of_that_name_is_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.glb");
+        fs::create_dir(&path).unwrap();
+        assert!(matches!(write_atomically(&path, b"one"), Err(FormatError::Unwritable { .. })));
+        assert_eq!(names(folder.path()), ["out.glb"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_followed() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, link) = (folder.path().join("out.glb"), folder.path().join("link.glb"));
+        write_atomically(&path, b"one").unwrap();
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        write_atomically(&link, b"two").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"two");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_failing_write_leaves_the_old_file() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.glb");
+        write_atomically(&path, b"old").unwrap();
+        fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o555)).unwrap();
+        let refused = write_atomically(&path, b"new");
+        fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o755)).unwrap();
+        // The superuser may write anywhere: then there is no failure to test.
+        let expected: &[u8] = if refused.is_ok() { b"new" } else { b"old" };
+        assert_eq!(fs::read(&path).unwrap(), expected);
+        assert_eq!(names(folder.path()), ["out.glb"]);
+    }
+}

@@ -1,0 +1,194 @@
+//! A glTF document: its JSON, its buffers, and the lists that its parts refer to by number.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::buffer::Buffers;
+use super::container;
+use super::item::Item;
+use crate::FormatError;
+
+/// An opened `.gltf` or `.glb`.
+#[derive(Debug)]
+pub(super) struct Document {
+    /// The file, as the caller named it.
+    pub(super) file: String,
+    file_bytes: u64,
+    json: Value,
+    buffers: Buffers,
+}
+
+/// The lists of a glTF that are referred to by number.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum List {
+    Accessors,
+    BufferViews,
+    Buffers,
+    Materials,
+    Meshes,
+    Nodes,
+    Scenes,
+}
+
+impl List {
+    fn key_and_noun(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Accessors => ("accessors", "accessor"),
+            Self::BufferViews => ("bufferViews", "bufferView"),
+            Self::Buffers => ("buffers", "buffer"),
+            Self::Materials => ("materials", "material"),
+            Self::Meshes => ("meshes", "mesh"),
+            Self::Nodes => ("nodes", "node"),
+            Self::Scenes => ("scenes", "scene"),
+        }
+    }
+}
+
+impl Document {
+    /// Parses a file's bytes. Buffers are looked for in the folder of `path`.
+    pub(super) fn parse(path: &Path, bytes: Vec<u8>) -> Result<Self, FormatError> {
+        let file = path.display().to_string();
+        let (json, chunk) = if bytes.starts_with(&container::MAGIC) {
+            let chunks = container::chunks(&file, &bytes)?;
+            let chunk = chunks.binary.map(|chunk| {
+                let start = chunk.as_ptr().addr() - bytes.as_ptr().addr();
+                start..start + chunk.len()
+            });
+            (parse_json(&file, chunks.json)?, chunk)
+        } else {
+            (parse_json(&file, &bytes)?, None)
+        };
+        check_version(&Item::new(&file, "the asset".into(), json.get("asset").unwrap_or(&Value::Null))?)?;
+        let file_bytes = bytes.len() as u64;
+        let glb = if chunk.is_some() { bytes } else { Vec::new() };
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        let buffers = Buffers::list(&Item::new(&file, "the document".into(), &json)?, folder, glb, chunk)?;
+        Ok(Self { file_bytes, json, buffers, file })
+    }
+
+    /// Bytes of the file and of all buffers loaded so far: what memory may be proportional to.
+    pub(super) fn input_bytes(&self) -> u64 {
+        self.file_bytes + self.buffers.loaded_bytes()
+    }
+
+    /// The whole document.
+    pub(super) fn root(&self) -> Result<Item<'_>, FormatError> {
+        Item::new(&self.file, "the document".into(), &self.json)
+    }
+
+    /// How many objects a list has.
+    pub(super) fn count(&self, list: List) -> Result<usize, FormatError> {
+        Ok(self.root()?.list(list.key_and_noun().0)?.len())
+    }
+
+    /// Object `index` of a list, to which `user` refers.
+    pub(super) fn item(&self, list: List, index: usize, user: &str) -> Result<Item<'_>, FormatError> {
+        let (key, noun) = list.key_and_noun();
+        let all = self.json.get(key).and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+        let value = all.get(index).ok_or_else(|| FormatError::DanglingReference {
+            file: self.file.clone(),
+            place: format!("{user}, {noun}"),
+            index,
+            count: all.len(),
+        })?;
+        Item::named(&self.file, format!("{noun} {index}"), value)
+    }
+
+    /// The bytes of a bufferView, and its stride if it states one.
+    pub(super) fn view(&self, index: usize, user: &str) -> Result<(&[u8], Option<usize>), FormatError> {
+        let view = self.item(List::BufferViews, index, user)?;
+        let number = view.required_whole("buffer")?;
+        let buffer = self.item(List::Buffers, number, &view.place)?;
+        if !self.buffers.has_bytes(number) {
+            for name in ["EXT_meshopt_compression", "KHR_meshopt_compression"] {
+                if view.extension(name)?.is_some() {
+                    return Err(compressed(&view, name));
+                }
+            }
+        }
+        let all = self.buffers.bytes(number, &buffer)?;
+        let offset = view.whole("byteOffset")?.unwrap_or(0);
+        let length = view.required_whole("byteLength")?;
+        let bytes = slice(all, offset, length).map_err(|end| FormatError::BeyondEnd {
+            file: self.file.clone(),
+            place: format!("{} ({user})", view.place),
+            end,
+            length: all.len() as u64,
+        })?;
+        Ok((bytes, view.whole("byteStride")?))
+    }
+}
+
+/// Geometry that is compressed and has no plain copy.
+pub(super) fn compressed(item: &Item<'_>, extension: &str) -> FormatError {
+    FormatError::UnsupportedExtension {
+        file: item.file.to_owned(),
+        place: item.place.clone(),
+        extension: extension.to_owned(),
+        cure: "export without compression, or decompress it (`gltf-transform copy` does)",
+    }
+}
+
+/// `bytes[offset..offset + length]`, or where it would have to end.
+pub(super) fn slice(bytes: &[u8], offset: usize, length: usize) -> Result<&[u8], u64> {
+    let end = offset.checked_add(length);
+    end.and_then(|end| bytes.get(offset..end)).ok_or(end.map_or(u64::MAX, |end| end as u64))
+}
+
+fn parse_json(file: &str, bytes: &[u8]) -> Result<Value, FormatError> {
+    let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    serde_json::from_slice(text).map_err(|e| FormatError::BadJson { file: file.to_owned(), what: e.to_string() })
+}
+
+fn check_version(asset: &Item<'_>) -> Result<(), FormatError> {
+    let version = asset.text("version")?.ok_or_else(|| asset.bad("version", "is missing"))?;
+    let least = asset.text("minVersion")?.unwrap_or("2.0");
+    let found = if version.split('.').next() == Some("2") { least } else { version };
+    if found == "2.0" {
+        return Ok(());
+    }
+    Err(FormatError::BadVersion { file: asset.file.to_owned(), version: found.to_owned() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(json: &str) -> Result<Document, FormatError> {
+        Document::parse(Path::new("a.gltf"), json.as_bytes().to_vec())
+    }
+
+    #[test]
+    fn versions() {
+        assert!(parse(r#"{"asset":{"version":"2.0"}}"#).is_ok());
+        assert!(parse("\u{feff}{\"asset\":{\"version\":\"2.1\"}}").is_ok());
+        for json in [r#"{"asset":{"version":"1.0"}}"#, r#"{"asset":{"version":"2.0","minVersion":"2.1"}}"#] {
+            assert!(matches!(parse(json), Err(FormatError::BadVersion { .. })), "{json}");
+        }
+        assert!(matches!(parse("{}"), Err(FormatError::BadProperty { .. })));
+        assert!(matches!(parse("[1, 2"), Err(FormatError::BadJson { .. })));
+    }
+
+    #[test]
+    fn a_dangling_reference_names_who_refers() {
+        let document = parse(r#"{"asset":{"version":"2.0"},"meshes":[{}]}"#).unwrap();
+        let message = document.item(List::Meshes, 4, "node 2").unwrap_err().to_string();
+        assert!(message.contains("node 2, mesh: refers to number 4, but there are only 1"), "{message}");
+    }
+
+    #[test]
+    fn compression_without_a_plain_copy_is_named() {
+        let json = r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":8}],"bufferViews":[{"buffer":0,
+            "byteLength":8,"extensions":{"EXT_meshopt_compression":{}}}]}"#;
+        let error = parse(json).unwrap().view(0, "accessor 0").unwrap_err();
+        assert!(matches!(error, FormatError::UnsupportedExtension { .. }), "{error}");
+    }
+
+    #[test]
+    fn slices_never_overflow() {
+        assert_eq!(slice(&[1, 2, 3], 1, 2), Ok([2, 3].as_slice()));
+        assert_eq!(slice(&[1, 2, 3], 2, 2), Err(4));
+        assert_eq!(slice(&[1, 2, 3], usize::MAX, 2), Err(u64::MAX));
+    }
+}

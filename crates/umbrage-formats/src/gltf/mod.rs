@@ -1,0 +1,26 @@
+//! glTF 2.0: scenes in, baked GLB out and in again.
+//!
+//! ```text
+//! container -> item -> buffer -> document -> accessor -> material, node, primitive -> read, read_baked
+//!                                              exposure -> write_buffer -> write
+//! ```
+
+mod accessor;
+mod buffer;
+mod container;
+mod document;
+mod exposure;
+mod item;
+mod material;
+mod node;
+mod primitive;
+mod read;
+mod read_baked;
+mod tally;
+mod write;
+mod write_buffer;
+
+pub(crate) use container::MAGIC;
+pub(crate) use read::read;
+pub(crate) use read_baked::read_baked;
+pub use write::{BakeFacts, Written, baked_glb_bytes, write_baked_glb};

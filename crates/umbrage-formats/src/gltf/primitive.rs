@@ -1,0 +1,154 @@
+//! Primitives: triangles, strips and fans, indexed or not, in world space.
+//!
+//! Only the vertices that are referred to are taken, in the order of their numbers: exporters often let a hundred
+//! primitives share one table. Triangles without area are left for `prepare`, which counts them.
+
+use glam::{DAffine3, DVec3};
+
+use super::accessor::{Accessor, Component};
+use super::document::{Document, compressed};
+use super::item::Item;
+use super::tally::Tally;
+use crate::FormatError;
+
+/// The modes of triangles, in glTF's numbers; those below are points and lines.
+const TRIANGLES: usize = 4;
+const STRIP: usize = 5;
+const FAN: usize = 6;
+/// Types of positions, with `KHR_mesh_quantization`.
+const POSITIONS: [Component; 5] = [Component::F32, Component::I8, Component::U8, Component::I16, Component::U16];
+/// Types of indices.
+const INDICES: [Component; 3] = [Component::U8, Component::U16, Component::U32];
+
+/// The polygons of a primitive.
+#[derive(Debug)]
+pub(super) struct Polygons {
+    /// World space, metres.
+    pub(super) positions_m: Vec<DVec3>,
+    /// Indices into the positions, counter-clockwise seen from the front.
+    pub(super) triangles: Vec<[u32; 3]>,
+}
+
+/// A primitive's polygons in the world, or nothing if it has none. `place` names node, mesh and primitive.
+pub(super) fn polygons(
+    document: &Document,
+    primitive: &Item<'_>,
+    place: &str,
+    world: &DAffine3,
+    tally: &mut Tally,
+) -> Result<Option<Polygons>, FormatError> {
+    tally.unfold(1, document, place)?;
+    let attributes = primitive.child("attributes")?;
+    let Some(position) = attributes.as_ref().map(|a| a.whole("POSITION")).transpose()?.flatten() else {
+        tally.no_positions += 1;
+        return Ok(None);
+    };
+    let positions = Accessor::open(document, position, &format!("{place}, POSITION"), &[3], &POSITIONS)?;
+    if !positions.has_data() && primitive.extension("KHR_draco_mesh_compression")?.is_some() {
+        return Err(compressed(primitive, "KHR_draco_mesh_compression"));
+    }
+    tally.unfold(positions.sparse_count(), document, place)?;
+    let mirrored = world.matrix3.determinant() < 0.0;
+    let triangles = triangles(document, primitive, place, positions.count, mirrored, tally)?;
+    if triangles.is_empty() {
+        return Ok(None);
+    }
+    tally.vertex_colours += usize::from(attributes.is_some_and(|a| a.get("COLOR_0").is_some()));
+    tally.morphed_primitives += usize::from(primitive.get("targets").is_some());
+    place_in_world(document, &positions, triangles, world).map(Some)
+}
+
+/// A primitive's triangles as numbers of its vertices, turned over if `mirrored`. Points and lines have none.
+pub(super) fn triangles(
+    document: &Document,
+    primitive: &Item<'_>,
+    place: &str,
+    vertex_count: usize,
+    mirrored: bool,
+    tally: &mut Tally,
+) -> Result<Vec<[u32; 3]>, FormatError> {
+    let mode = primitive.whole("mode")?.unwrap_or(TRIANGLES);
+    match mode {
+        TRIANGLES | STRIP | FAN => {}
+        0..TRIANGLES => {
+            tally.points_and_lines += 1;
+            return Ok(Vec::new());
+        }
+        _ => return Err(primitive.bad("mode", format!("{mode} is not a mode"))),
+    }
+    let indices = match primitive.whole("indices")? {
+        Some(index) => Some(Accessor::open(document, index, &format!("{place}, indices"), &[1], &INDICES)?),
+        None => None,
+    };
+    let corner_count = indices.as_ref().map_or(vertex_count, |indices| indices.count);
+    tally.unfold(corner_count, document, place)?;
+
+    let triangle_count = if mode == TRIANGLES { corner_count / 3 } else { corner_count.saturating_sub(2) };
+    tally.left_over_corners += usize::from(corners_of(mode, triangle_count) != corner_count);
+    let mut triangles = Vec::with_capacity(triangle_count);
+    for triangle in 0..triangle_count {
+        let mut vertices = [0; 3];
+        for (vertex, corner) in vertices.iter_mut().zip(corners(mode, triangle)) {
+            let index = indices.as_ref().map_or(corner, |indices| indices.index(corner));
+            let fits = u32::try_from(index).ok().filter(|_| index < vertex_count);
+            *vertex = fits.ok_or_else(|| FormatError::BadIndex {
+                file: document.file.clone(),
+                place: format!("{place}, triangle {triangle}"),
+                index: index as u64,
+                count: vertex_count,
+            })?;
+        }
+        let [a, b, c] = vertices;
+        triangles.push(if mirrored { [a, c, b] } else { vertices });
+    }
+    Ok(triangles)
+}
+
+/// The corners that so many triangles use up.
+fn corners_of(mode: usize, triangles: usize) -> usize {
+    match (mode, triangles) {
+        (_, 0) => 0,
+        (TRIANGLES, n) => 3 * n,
+        (_, n) => n + 2,
+    }
+}
+
+/// The corners of a triangle, glTF 2.0, section 3.7.2.1.
+fn corners(mode: usize, triangle: usize) -> [usize; 3] {
+    match mode {
+        TRIANGLES => [3 * triangle, 3 * triangle + 1, 3 * triangle + 2],
+        STRIP => [triangle, triangle + 1 + triangle % 2, triangle + 2 - triangle % 2],
+        _ => [triangle + 1, triangle + 2, 0],
+    }
+}
+
+/// Takes the vertices that the triangles use to the world.
+fn place_in_world(
+    document: &Document,
+    positions: &Accessor<'_>,
+    mut triangles: Vec<[u32; 3]>,
+    world: &DAffine3,
+) -> Result<Polygons, FormatError> {
+    let mut used: Vec<u32> = triangles.as_flattened().to_vec();
+    used.sort_unstable();
+    used.dedup();
+
+    let mut positions_m = Vec::with_capacity(used.len());
+    for &vertex in &used {
+        let local = DVec3::from(positions.element::<3>(vertex as usize, 0.0));
+        let position = world.transform_point3(local);
+        if !position.is_finite() {
+            return Err(FormatError::NotFinite {
+                file: document.file.clone(),
+                place: format!("{}, vertex {vertex}", positions.place),
+                value: if local.is_finite() { format!("{position} in the world") } else { local.to_string() },
+            });
+        }
+        positions_m.push(position);
+    }
+    for vertex in triangles.as_flattened_mut() {
+        // Every vertex is in the list, which is no longer than the vertices, whose numbers fit.
+        *vertex = used.partition_point(|other| other < vertex) as u32;
+    }
+    Ok(Polygons { positions_m, triangles })
+}

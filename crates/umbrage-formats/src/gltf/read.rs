@@ -1,0 +1,191 @@
+//! A glTF's default scene as a [`Scene`].
+//!
+//! Every node of the scene is kept. Every primitive with triangles becomes a [`Surface`] of its own, once for every node
+//! that shows its mesh, already in world space. Units stay as glTF has them: metres, +Y up, linear colours.
+
+use std::path::Path;
+
+use umbrage::id::{MaterialId, NodeId};
+use umbrage::scene::{Node, Scene, Surface};
+
+use super::document::{Document, List};
+use super::item::Item;
+use super::node::{self, Placed};
+use super::tally::Tally;
+use super::{material, primitive};
+use crate::{FormatError, ReadOptions, Warning};
+
+/// Extensions that are read, that only concern what has a warning of its own (textures, lights), or that only add gloss
+/// to a surface, which is taken as diffuse anyway.
+const KNOWN_EXTENSIONS: [&str; 21] = [
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_texture_basisu",
+    "KHR_texture_transform",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+];
+
+/// Reads the default scene of a `.gltf` or `.glb` whose bytes are given.
+pub(crate) fn read(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> Result<(Scene, Vec<Warning>), FormatError> {
+    let document = Document::parse(path, bytes)?;
+    let mut tally = Tally::default();
+    tally.unknown_extensions = unknown_extensions(&document)?;
+    tally.animations = document.root()?.list("animations")?.len();
+    let mut reader = Reader {
+        document: &document,
+        options,
+        tally,
+        scene: Scene { name: scene_name(&document, path)?, ..Scene::default() },
+        default_material: None,
+    };
+    let materials = material::materials(&document, options.max_reflectance, &mut reader.tally)?;
+    reader.scene.materials.extend(materials);
+
+    let placed = node::hierarchy(&document, &mut reader.tally)?;
+    let mut ids: Vec<NodeId> = Vec::with_capacity(placed.len());
+    for node in &placed {
+        let parent = node.parent.map(|parent| ids[parent]);
+        ids.push(reader.node(node, parent)?);
+    }
+    Ok((reader.scene, reader.tally.warnings(options.max_reflectance)))
+}
+
+/// What is being built, and from what.
+struct Reader<'a> {
+    document: &'a Document,
+    options: &'a ReadOptions,
+    tally: Tally,
+    scene: Scene,
+    /// For primitives without a material, once there is one.
+    default_material: Option<MaterialId>,
+}
+
+impl Reader<'_> {
+    /// Adds a node and what it shows.
+    fn node(&mut self, placed: &Placed<'_>, parent: Option<NodeId>) -> Result<NodeId, FormatError> {
+        let item = &placed.item;
+        self.tally.skinned_nodes += usize::from(item.get("skin").is_some());
+        self.tally.punctual_lights += usize::from(item.extension("KHR_lights_punctual")?.is_some());
+        let mesh = match item.whole("mesh")? {
+            Some(mesh) => Some(self.document.item(List::Meshes, mesh, &item.place)?),
+            None => None,
+        };
+        let instances = match &mesh {
+            Some(_) => node::instances(self.document, item, &mut self.tally)?,
+            None => None,
+        };
+        let shown = mesh.as_ref().filter(|_| instances.is_none());
+        let node = self.push_node(item.name(), parent, shown)?;
+        if let Some(mesh) = &mesh {
+            match instances {
+                None => self.mesh(mesh, &item.place, node, &placed.world)?,
+                // Each instance becomes a node below, as each gets a mesh of its own in the output.
+                Some(instances) => {
+                    for (number, instance) in instances.iter().enumerate() {
+                        let below = self.push_node(None, Some(node), Some(mesh))?;
+                        let place = format!("{}, instance {number}", item.place);
+                        self.mesh(mesh, &place, below, &(placed.world * *instance))?;
+                    }
+                }
+            }
+        }
+        Ok(node)
+    }
+
+    fn push_node(
+        &mut self,
+        name: Option<&str>,
+        parent: Option<NodeId>,
+        mesh: Option<&Item<'_>>,
+    ) -> Result<NodeId, FormatError> {
+        let mesh_name = mesh.and_then(Item::name);
+        if let (Some(name), Some(mesh)) = (mesh_name, mesh) {
+            // A long name shown by many nodes takes memory too.
+            self.tally.unfold(name.len(), self.document, &mesh.place)?;
+        }
+        let (name, mesh_name) = (name.map(str::to_owned), mesh_name.map(str::to_owned));
+        Ok(self.scene.nodes.push_and_get_key(Node { name, parent, mesh_name }))
+    }
+
+    /// Adds the surfaces of a mesh that a node shows.
+    fn mesh(
+        &mut self,
+        mesh: &Item<'_>,
+        shown_by: &str,
+        node: NodeId,
+        world: &glam::DAffine3,
+    ) -> Result<(), FormatError> {
+        for (number, primitive) in mesh.children("primitives", "primitive")?.enumerate() {
+            let primitive = primitive?;
+            let place = format!("{shown_by}, {}, primitive {number}", mesh.place);
+            let polygons = primitive::polygons(self.document, &primitive, &place, world, &mut self.tally)?;
+            let Some(polygons) = polygons else { continue };
+            let material = match primitive.whole("material")? {
+                Some(index) => {
+                    self.document.item(List::Materials, index, &place)?;
+                    MaterialId::from(index)
+                }
+                None => self.default_material(),
+            };
+            let polygon_lists = polygons.triangles.iter().map(|triangle| triangle.to_vec()).collect();
+            self.scene.surfaces.push(Surface {
+                node,
+                material,
+                positions_m: polygons.positions_m,
+                polygons: polygon_lists,
+            });
+        }
+        Ok(())
+    }
+
+    fn default_material(&mut self) -> MaterialId {
+        *self.default_material.get_or_insert_with(|| {
+            let material = material::default(self.options.max_reflectance, &mut self.tally);
+            self.scene.materials.push_and_get_key(material)
+        })
+    }
+}
+
+/// The default scene's name, else the file's without its ending.
+fn scene_name(document: &Document, path: &Path) -> Result<String, FormatError> {
+    let index = document.root()?.whole("scene")?.unwrap_or(0);
+    if document.count(List::Scenes)? > 0
+        && let Some(name) = document.item(List::Scenes, index, "the document")?.name()
+    {
+        return Ok(name.to_owned());
+    }
+    Ok(path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default())
+}
+
+/// The extensions that the file names and this reader does not know, and whether it requires them.
+fn unknown_extensions(document: &Document) -> Result<Vec<(String, bool)>, FormatError> {
+    let root = document.root()?;
+    let mut unknown: Vec<(String, bool)> = Vec::new();
+    for (key, required) in [("extensionsRequired", true), ("extensionsUsed", false)] {
+        for name in root.list(key)?.iter().filter_map(|name| name.as_str()) {
+            if !KNOWN_EXTENSIONS.contains(&name) {
+                unknown.push((name.to_owned(), required));
+            }
+        }
+    }
+    // Of those in both lists, the entry of the required one stays.
+    unknown.sort_by(|a, b| (&a.0, !a.1).cmp(&(&b.0, !b.1)));
+    unknown.dedup_by(|later, earlier| later.0 == earlier.0);
+    Ok(unknown)
+}

@@ -1,0 +1,71 @@
+//! What is counted while a glTF is read: the warnings, and the geometry that it unfolds into.
+
+use super::document::Document;
+use crate::{FormatError, Warning};
+
+/// Corners that any file may unfold into.
+const FREE_CORNERS: u64 = 4 << 20;
+
+/// Corners that a file may unfold into for each of its bytes. A plain file needs at most one; only nodes that show
+/// one mesh many times, or accessors without data, need more. The limit keeps memory proportional to the input.
+const CORNERS_PER_BYTE: u64 = 64;
+
+/// Counts for warnings, and of what has been unfolded.
+#[derive(Debug, Default)]
+pub(super) struct Tally {
+    pub(super) points_and_lines: usize,
+    pub(super) left_over_corners: usize,
+    pub(super) no_positions: usize,
+    pub(super) capped_materials: usize,
+    pub(super) textures: usize,
+    pub(super) vertex_colours: usize,
+    pub(super) alpha_materials: usize,
+    pub(super) skinned_nodes: usize,
+    pub(super) morphed_primitives: usize,
+    pub(super) punctual_lights: usize,
+    pub(super) animations: usize,
+    pub(super) nodes_outside: usize,
+    /// Name, and whether it is required.
+    pub(super) unknown_extensions: Vec<(String, bool)>,
+    corners: u64,
+}
+
+impl Tally {
+    /// Counts `corners` more, or whatever else takes memory or time as a corner does.
+    pub(super) fn unfold(&mut self, corners: usize, document: &Document, place: &str) -> Result<(), FormatError> {
+        self.corners = self.corners.saturating_add(corners as u64);
+        let limit = FREE_CORNERS + CORNERS_PER_BYTE.saturating_mul(document.input_bytes());
+        if self.corners <= limit {
+            return Ok(());
+        }
+        let (file, place) = (document.file.clone(), place.to_owned());
+        Err(FormatError::TooLarge { file, place, wanted: self.corners, limit })
+    }
+
+    /// The warnings, one per kind that occurred.
+    pub(super) fn warnings(self, max_reflectance: f64) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        let mut warn = |count: usize, warning: fn(usize) -> Warning| {
+            if count > 0 {
+                warnings.push(warning(count));
+            }
+        };
+        warn(self.points_and_lines, |primitives| Warning::PointsAndLines { primitives });
+        warn(self.left_over_corners, |primitives| Warning::LeftOverCorners { primitives });
+        warn(self.no_positions, |primitives| Warning::NoPositions { primitives });
+        warn(self.textures, |uses| Warning::TexturesIgnored { uses });
+        warn(self.vertex_colours, |primitives| Warning::VertexColoursIgnored { primitives });
+        warn(self.alpha_materials, |materials| Warning::AlphaIgnored { materials });
+        warn(self.skinned_nodes, |nodes| Warning::SkinsAtRest { nodes });
+        warn(self.morphed_primitives, |primitives| Warning::MorphTargetsIgnored { primitives });
+        warn(self.punctual_lights, |nodes| Warning::PunctualLightsIgnored { nodes });
+        warn(self.animations, |animations| Warning::AnimationsIgnored { animations });
+        warn(self.nodes_outside, |nodes| Warning::NodesOutsideScene { nodes });
+        if self.capped_materials > 0 {
+            warnings.push(Warning::ReflectanceCapped { materials: self.capped_materials, max_reflectance });
+        }
+        let unknown = self.unknown_extensions.into_iter();
+        warnings.extend(unknown.map(|(name, required)| Warning::UnknownExtension { name, required }));
+        warnings
+    }
+}

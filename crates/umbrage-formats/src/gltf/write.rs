@@ -1,0 +1,238 @@
+//! The baked mesh as one ordinary GLB.
+//!
+//! ```text
+//! scene -> "umbrage" (translation = origin) -> the input's nodes, transforms identity -> a mesh per node
+//!                                                                     -> a primitive per surface
+//! ```
+//! Every primitive has POSITION, NORMAL, `COLOR_0` (what an unlit renderer multiplies the base colour with) and
+//! `_IRRADIANCE` (what measurements read, unclamped, W/m2). All materials are `KHR_materials_unlit`, one-sided, without
+//! emission; one that emits keeps its radiance and reflectance in its extras. Nodes and materials without triangles
+//! stay; meshes and primitives do not. No time, path or thread count enters: the same input gives the same bytes.
+
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+use umbrage::scene::{Material, Rgb, Scene};
+use umbrage::shade::{BakedMesh, BakedPart};
+
+use super::container;
+use super::exposure;
+use super::write_buffer::WriteBuffer;
+use crate::{FormatError, write_atomically};
+
+/// What is said about a bake in `asset.extras.umbrage`, and how it is shown.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BakeFacts {
+    /// The exposure `k`, per W/(m2 sr); `None` chooses it so that 99.5 % of the reflecting area is not clipped.
+    pub exposure: Option<f64>,
+    /// The solution's residual.
+    pub residual: f64,
+    /// Whatever else is worth knowing. It must not depend on time, path or thread count. Names that the writer uses
+    /// itself (`exposure`, `exposure_percentile`, `residual`, `units`) are the writer's.
+    pub extras: Map<String, Value>,
+}
+
+/// What was written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Written {
+    /// Bytes of the file.
+    pub bytes: u64,
+    /// The exposure `k`, per W/(m2 sr): `COLOR_0 = clamp(k E / pi)`.
+    pub exposure_k: f64,
+    /// Number of triangles.
+    pub triangles: usize,
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Vertices of surfaces that only reflect whose colour was clipped.
+    pub clipped_vertices: usize,
+}
+
+/// Writes a baked mesh as a GLB, all or nothing.
+///
+/// # Errors
+/// [`FormatError::NothingToWrite`], [`FormatError::BadExposure`], [`FormatError::OutputTooLarge`] or
+/// [`FormatError::Unwritable`]; the file is then as it was.
+///
+/// # Panics
+/// If the mesh breaks its promises or is not of this scene: a defect of the caller.
+pub fn write_baked_glb(
+    scene: &Scene,
+    baked: &BakedMesh,
+    facts: &BakeFacts,
+    path: impl AsRef<Path>,
+) -> Result<Written, FormatError> {
+    let path = path.as_ref();
+    let (bytes, written) = encode(scene, baked, facts, &path.display().to_string())?;
+    write_atomically(path, &bytes)?;
+    Ok(written)
+}
+
+/// The bytes that [`write_baked_glb`] writes.
+///
+/// # Errors
+/// As [`write_baked_glb`], but for writing.
+///
+/// # Panics
+/// If the mesh breaks its promises or is not of this scene: a defect of the caller.
+pub fn baked_glb_bytes(scene: &Scene, baked: &BakedMesh, facts: &BakeFacts) -> Result<Vec<u8>, FormatError> {
+    encode(scene, baked, facts, "the output").map(|(bytes, _)| bytes)
+}
+
+fn encode(scene: &Scene, baked: &BakedMesh, facts: &BakeFacts, file: &str) -> Result<(Vec<u8>, Written), FormatError> {
+    check_promises(scene, baked);
+    if baked.triangle_count() == 0 {
+        return Err(FormatError::NothingToWrite { file: file.to_owned() });
+    }
+    if let Some(exposure) = facts.exposure.filter(|k| !(k.is_finite() && *k > 0.0)) {
+        return Err(FormatError::BadExposure { file: file.to_owned(), exposure });
+    }
+    let k = facts.exposure.unwrap_or_else(|| exposure::choose(scene, baked));
+    let base_colours = exposure::base_colours(scene, baked, k);
+
+    let mut buffer = WriteBuffer::default();
+    let mut primitives: Vec<Vec<Value>> = vec![Vec::new(); scene.nodes.len()];
+    let (mut vertices, mut clipped_vertices) = (0, 0);
+    for part in baked.parts.iter().filter(|part| !part.triangles.is_empty()) {
+        let surface = &scene.surfaces[part.surface];
+        let (colours, clipped) = colours(exposure::material_of(scene, part), base_colours[surface.material], part, k);
+        vertices += part.positions_m.len();
+        clipped_vertices += clipped;
+        primitives[usize::from(surface.node)].push(json!({
+            "attributes": {
+                "POSITION": buffer.positions(&part.positions_m),
+                "NORMAL": buffer.vectors(&part.normals),
+                "COLOR_0": buffer.colours(&colours),
+                "_IRRADIANCE": buffer.vectors(&part.irradiance),
+            },
+            "indices": buffer.triangles(&part.triangles),
+            "material": usize::from(surface.material),
+        }));
+    }
+    let (nodes, meshes) = nodes_and_meshes(scene, baked, primitives);
+    let materials: Vec<Value> =
+        scene.materials.iter().zip(&base_colours).map(|(material, &base)| unlit(material, base)).collect();
+
+    let mut shown_scene = json!({"nodes": [0]});
+    put_name(&mut shown_scene, Some(&scene.name));
+    let document = json!({
+        "asset": asset(facts, k),
+        "extensionsUsed": ["KHR_materials_unlit"],
+        "scene": 0,
+        "scenes": [shown_scene],
+        "nodes": nodes,
+        "meshes": meshes,
+        "materials": materials,
+        "accessors": buffer.accessors,
+        "bufferViews": buffer.views,
+        "buffers": [{"byteLength": buffer.bytes.len()}],
+    });
+    let bytes = container::glb(document.to_string().into_bytes(), buffer.bytes)
+        .map_err(|bytes| FormatError::OutputTooLarge { file: file.to_owned(), bytes })?;
+    let triangles = baked.triangle_count();
+    let written = Written { bytes: bytes.len() as u64, exposure_k: k, triangles, vertices, clipped_vertices };
+    Ok((bytes, written))
+}
+
+/// What [`BakedMesh`] promises and a sound file needs.
+fn check_promises(scene: &Scene, baked: &BakedMesh) {
+    if let Err(broken) = baked.validate() {
+        panic!("the baked mesh breaks a promise: {broken}");
+    }
+    assert!(baked.origin_m.is_finite(), "the origin is {}", baked.origin_m);
+    for part in &baked.parts {
+        let surface = part.surface;
+        assert!(usize::from(surface) < scene.surfaces.len(), "{surface:?} is not in the scene");
+        for (vertex, position) in part.positions_m.iter().enumerate() {
+            assert!(position.iter().all(|x| x.is_finite()), "{surface:?}: vertex {vertex} is at {position:?}");
+        }
+        for (vertex, normal) in part.normals.iter().enumerate() {
+            let length = normal.iter().map(|x| x * x).sum::<f32>().sqrt();
+            assert!((length - 1.0).abs() < 1e-3, "{surface:?}: vertex {vertex} has normal {normal:?}");
+        }
+    }
+}
+
+/// `COLOR_0` of a part, and how many vertices of a surface that only reflects were clipped.
+fn colours(material: &Material, base: Rgb, part: &BakedPart, k: f64) -> (Vec<[u16; 4]>, usize) {
+    let one = f64::from(u16::MAX);
+    let mut clipped = 0;
+    let colour = |vertex| {
+        let colour = exposure::colour(material, base, exposure::irradiance(part, vertex), k);
+        clipped += usize::from(!material.emits() && colour.max_element() > 1.0);
+        let steps = (colour.clamp(Rgb::ZERO, Rgb::ONE) * one).round().to_array();
+        let [red, green, blue] = steps.map(|channel| channel as u16);
+        [red, green, blue, u16::MAX]
+    };
+    let colours = (0..part.irradiance.len()).map(colour).collect();
+    (colours, clipped)
+}
+
+/// The root, then every node of the scene; and a mesh for each that has primitives.
+fn nodes_and_meshes(scene: &Scene, baked: &BakedMesh, primitives: Vec<Vec<Value>>) -> (Vec<Value>, Vec<Value>) {
+    // The root comes first: the scene's node i is the file's node i + 1.
+    let mut children: Vec<Vec<usize>> = vec![Vec::new(); scene.nodes.len() + 1];
+    for (node, parent) in scene.nodes.iter().map(|node| node.parent).enumerate() {
+        children[parent.map_or(0, |parent| usize::from(parent) + 1)].push(node + 1);
+    }
+    let mut meshes = Vec::new();
+    let mut root = json!({"name": "umbrage", "translation": baked.origin_m.to_array()});
+    put_children(&mut root, &children[0]);
+    let mut nodes = vec![root];
+    for ((node, primitives), children) in scene.nodes.iter().zip(primitives).zip(&children[1..]) {
+        let mut out = json!({});
+        put_name(&mut out, node.name.as_deref());
+        put_children(&mut out, children);
+        if !primitives.is_empty() {
+            out["mesh"] = json!(meshes.len());
+            let mut mesh = json!({"primitives": primitives});
+            put_name(&mut mesh, node.mesh_name.as_deref());
+            meshes.push(mesh);
+        }
+        nodes.push(out);
+    }
+    (nodes, meshes)
+}
+
+fn unlit(material: &Material, base: Rgb) -> Value {
+    let [red, green, blue] = base.to_array();
+    let mut out = json!({
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [red, green, blue, 1.0],
+            // What the extension advises for renderers that do not know it.
+            "metallicFactor": 0.0,
+            "roughnessFactor": 1.0,
+        },
+        "extensions": {"KHR_materials_unlit": {}},
+    });
+    put_name(&mut out, Some(&material.name));
+    if material.emits() {
+        let (radiance, reflectance) = (material.radiance.to_array(), material.reflectance.to_array());
+        out["extras"] = json!({"umbrage": {"radiance": radiance, "reflectance": reflectance}});
+    }
+    out
+}
+
+fn asset(facts: &BakeFacts, k: f64) -> Value {
+    let mut extras = facts.extras.clone();
+    extras.insert("exposure".into(), json!(k));
+    extras.remove("exposure_percentile");
+    if facts.exposure.is_none() {
+        extras.insert("exposure_percentile".into(), json!(exposure::PERCENTILE));
+    }
+    extras.insert("residual".into(), json!(facts.residual));
+    extras.insert("units".into(), json!("irradiance W/m2"));
+    let generator = concat!("Umbrage ", env!("CARGO_PKG_VERSION"));
+    json!({"version": "2.0", "generator": generator, "extras": {"umbrage": extras}})
+}
+
+fn put_name(object: &mut Value, name: Option<&str>) {
+    if let Some(name) = name.filter(|name| !name.is_empty()) {
+        object["name"] = json!(name);
+    }
+}
+
+fn put_children(object: &mut Value, children: &[usize]) {
+    if !children.is_empty() {
+        object["children"] = json!(children);
+    }
+}

@@ -1,0 +1,238 @@
+//! `generate_mesh`, and the light on it: all stages in order (paper, sections 4 and 6).
+//!
+//! ```text
+//! generate_mesh() {
+//!     calculate all discontinuity segments                        discontinuity::find
+//!     store segments as edge split-hints to the patches           Mesh::new
+//!     for each pair of patches p,q with p != q                    transport::link_all
+//!         subdivide(p,q);
+//!                                                                 solve::solve
+//!     split patches until all point split-hints and all edge      Mesh::remove_d0_hints
+//!       split-hints caused by d-segments of order 0 are removed
+//!     for all polygons p with more than three vertices            Mesh::triangulate
+//!         point_split(p)
+//! }                                                               shade::assemble
+//! ```
+
+use std::time::Instant;
+
+use glam::DVec3;
+
+use crate::discontinuity::{self, Discontinuities};
+use crate::geometry::polygon;
+use crate::mesh::{Mesh, MeshSettings, SplitScore};
+use crate::prepare::{self, PrepareError, PrepareReport, Prepared};
+use crate::progress::{Cancelled, Progress, Stage};
+use crate::scene::{Scene, SceneError};
+use crate::shade::{self, BakedMesh, Irradiance};
+use crate::solve::{self, SolveSettings, Surfaces};
+use crate::transport::{self, FormFactorOracle};
+use crate::visibility::Visibility;
+
+/// Where no smallest area is given, this share of the area of all faces: about 10,000 patches if all were as small.
+const MIN_AREA_OF_TOTAL: f64 = 1e-4;
+
+/// How a scene is baked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BakeSettings {
+    /// Fmax: pairs of patches with a greater form factor estimate are subdivided.
+    pub max_form_factor: f64,
+    /// A patch smaller than this is not split for its form factor, in square metres; `None`: a share of the scene.
+    pub min_area_m2: Option<f64>,
+    /// What `point_split` minimises.
+    pub score: SplitScore,
+    /// Whether badly shaped patches get point split-hints.
+    pub mend_bad_shapes: bool,
+    /// Whether shadow boundaries are calculated and cut into the mesh.
+    pub discontinuities: bool,
+    /// When the iteration ends.
+    pub solve: SolveSettings,
+}
+
+impl Default for BakeSettings {
+    fn default() -> Self {
+        Self {
+            max_form_factor: 0.02,
+            min_area_m2: None,
+            score: SplitScore::default(),
+            mend_bad_shapes: true,
+            discontinuities: true,
+            solve: SolveSettings::default(),
+        }
+    }
+}
+
+/// What a bake did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// What `prepare` mended.
+    pub prepare: PrepareReport,
+    /// Faces after `prepare`.
+    pub faces: usize,
+    /// d-segments of degree 0, 1 and 2.
+    pub d_segments: [usize; 3],
+    /// Patches that carry transport, split ones included.
+    pub patches: usize,
+    /// How well shaped the patches that carry transport and are not split are: 4 pi A / P^2, median and 5th percentile.
+    pub compactness: [f64; 2],
+    /// Links between patches.
+    pub links: usize,
+    /// Vertices of the baked mesh.
+    pub vertices: usize,
+    /// Triangles of the baked mesh.
+    pub triangles: usize,
+    /// Iterations of the solution.
+    pub iterations: usize,
+    /// Residual of the solution.
+    pub residual: f64,
+    /// Seconds of each stage, in order.
+    pub seconds: Vec<(Stage, f64)>,
+}
+
+/// A baked scene.
+#[derive(Clone, Debug)]
+pub struct Bake {
+    /// The triangles and their light.
+    pub mesh: BakedMesh,
+    /// What was done.
+    pub report: Report,
+}
+
+/// Why a scene was not baked.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BakeError {
+    /// The scene cannot be baked as it is.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Its faces could not be prepared.
+    #[error(transparent)]
+    Prepare(#[from] PrepareError),
+    /// The progress callback asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Measures the stages.
+struct Clock {
+    since: Instant,
+    seconds: Vec<(Stage, f64)>,
+}
+
+impl Clock {
+    fn start() -> Self {
+        Self { since: Instant::now(), seconds: Vec::new() }
+    }
+
+    fn end_of(&mut self, stage: Stage) {
+        let seconds = self.since.elapsed().as_secs_f64();
+        tracing::info!(%stage, seconds, "stage done");
+        self.seconds.push((stage, seconds));
+        self.since = Instant::now();
+    }
+}
+
+/// Bakes a scene: `generate_mesh` and the irradiance of its vertices.
+///
+/// # Errors
+/// A [`BakeError`] where the scene is refused or the callback cancels.
+pub fn bake(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> Result<Bake, BakeError> {
+    let mut clock = Clock::start();
+    scene.validate()?;
+    let prepared = prepare::prepare(scene, progress)?;
+    check(|| prepared.validate().map_err(|error| error.to_string()));
+    let visibility = Visibility::new(&prepared);
+    clock.end_of(Stage::Prepare);
+
+    let discontinuities = if settings.discontinuities {
+        discontinuity::find(scene, &prepared, &visibility, progress)?
+    } else {
+        Discontinuities::default()
+    };
+    clock.end_of(Stage::Discontinuity);
+
+    let mesh_settings = MeshSettings { score: settings.score, mend_bad_shapes: settings.mend_bad_shapes };
+    let mut mesh = Mesh::new(&prepared, &discontinuities.segments, mesh_settings);
+    let oracle = FormFactorOracle {
+        max_form_factor: settings.max_form_factor,
+        min_area_m2: settings.min_area_m2.unwrap_or_else(|| MIN_AREA_OF_TOTAL * total_area_m2(&prepared)),
+        coplanar_m: prepared.tolerance.coplanar_m(),
+    };
+    let links = transport::link_all(&prepared, &visibility, &mut mesh, &oracle, progress)?;
+    let (patches, compactness) = (mesh.patch_count(), compactness_of(&mesh));
+    clock.end_of(Stage::Transport);
+
+    let surfaces = Surfaces::new(scene, &prepared, &mesh);
+    let solution = solve::solve(&mesh, &surfaces, &links, settings.solve, progress)?;
+    clock.end_of(Stage::Solve);
+
+    mesh.remove_d0_hints();
+    for patch in mesh.triangulate() {
+        tracing::warn!(?patch, "a patch thinner than rounding is not shown");
+    }
+    check(|| mesh.validate().map_err(|error| error.to_string()));
+    let light = Irradiance::new(scene, &prepared, &visibility, &mesh, &links, &solution);
+    let baked = shade::assemble(scene, &prepared, &mesh, |point, patches| light.at(point, patches), progress)?;
+    check(|| baked.validate().map_err(|error| error.to_string()));
+    clock.end_of(Stage::Shade);
+
+    let report = Report {
+        prepare: prepared.report.clone(),
+        faces: prepared.faces.len(),
+        d_segments: discontinuities.count_by_degree(),
+        patches,
+        compactness,
+        links: links.len(),
+        vertices: baked.vertex_count(),
+        triangles: baked.triangle_count(),
+        iterations: solution.iterations,
+        residual: solution.residual,
+        seconds: clock.seconds,
+    };
+    Ok(Bake { mesh: baked, report })
+}
+
+/// A d-segment in the world, for pictures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawnSegment {
+    /// 0, 1 or 2.
+    pub degree: u8,
+    /// Its ends, in metres.
+    pub ends_m: [DVec3; 2],
+    /// Unit normal of the face that it lies on.
+    pub normal: DVec3,
+}
+
+/// The d-segments of a scene, in the world.
+///
+/// # Errors
+/// A [`BakeError`] where the scene is refused or the callback cancels.
+pub fn d_segments(scene: &Scene, progress: Progress<'_>) -> Result<Vec<DrawnSegment>, BakeError> {
+    scene.validate()?;
+    let prepared = prepare::prepare(scene, progress)?;
+    let found = discontinuity::find(scene, &prepared, &Visibility::new(&prepared), progress)?;
+    let drawn = found.segments.iter().map(|segment| DrawnSegment {
+        degree: segment.degree.number() as u8,
+        ends_m: segment.ends_m.map(|end| prepared.origin_m + end),
+        normal: prepared.normal(segment.face),
+    });
+    Ok(drawn.collect())
+}
+
+/// In debug builds, a broken promise of a stage is a panic with its values.
+fn check(validate: impl Fn() -> Result<(), String>) {
+    if cfg!(debug_assertions) {
+        let broken = validate().err();
+        assert!(broken.is_none(), "{broken:?}");
+    }
+}
+
+fn total_area_m2(prepared: &Prepared) -> f64 {
+    prepared.faces.keys().map(|face| polygon::area_m2(&prepared.polygon_m(face))).sum()
+}
+
+/// Median and 5th percentile of the compactness of all leaves.
+fn compactness_of(mesh: &Mesh) -> [f64; 2] {
+    let mut all: Vec<f64> = mesh.leaves().map(|leaf| mesh.compactness(leaf)).collect();
+    all.sort_by(f64::total_cmp);
+    [0.5, 0.05].map(|share| all.get((share * all.len() as f64) as usize).copied().unwrap_or(0.0))
+}

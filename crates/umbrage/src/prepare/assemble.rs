@@ -1,0 +1,168 @@
+//! Pieces become faces: with ids that depend on the scene only, shared edges, and sides that are straight runs.
+//!
+//! Faces are numbered by surface, then by position; planes, vertices and edges in the order in which the faces use them,
+//! so that what lies together has near numbers. Nothing unused is kept.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+use smallvec::SmallVec;
+
+use super::arrangement::{Label, side_of};
+use super::coplanar::Planes;
+use super::weld::{Frame, Points};
+use super::{DirectedEdge, Edge, Face, Facing, PrepareReport, Prepared, Side};
+use crate::geometry::{Plane, PlaneFrame, polygon};
+use crate::id::{EdgeId, FaceId, PlaneId, SurfaceId, Table, VertexId};
+use crate::scene::Scene;
+
+/// A convex piece of a plane.
+#[derive(Debug)]
+pub(super) struct PlacedPiece {
+    /// Its plane.
+    pub(super) plane: PlaneId,
+    /// All vertices of its boundary, counter-clockwise in the plane's frame.
+    pub(super) boundary: Vec<VertexId>,
+    /// Which of these are corners, ascending.
+    pub(super) corners: Vec<usize>,
+    /// What it shows along and against the plane's normal.
+    pub(super) label: Label,
+}
+
+/// A face before it has a number.
+struct Draft {
+    surface: SurfaceId,
+    centroid: DVec3,
+    facing: Facing,
+    plane: PlaneId,
+    boundary: Vec<VertexId>,
+    corners: Vec<usize>,
+}
+
+/// Makes the prepared scene of all pieces of all planes.
+pub(super) fn assemble(
+    scene: &Scene,
+    frame: &Frame,
+    planes: &Planes,
+    points: &Points,
+    pieces: Vec<PlacedPiece>,
+    mut report: PrepareReport,
+) -> Prepared {
+    let mut drafts = Vec::with_capacity(pieces.len());
+    for piece in &pieces {
+        for facing in [Facing::Along, Facing::Against] {
+            if let Some(surface) = piece.label[side_of(facing)] {
+                match draft(piece, facing, surface, planes, points) {
+                    Some(draft) => drafts.push(draft),
+                    None => report.dropped_cuts += 1,
+                }
+            }
+        }
+    }
+    let order = |d: &Draft| (d.surface, d.centroid, d.facing);
+    drafts.sort_by(|p, q| {
+        let ((s, c, f), (t, d, g)) = (order(p), order(q));
+        let by_position = c.x.total_cmp(&d.x).then(c.y.total_cmp(&d.y)).then(c.z.total_cmp(&d.z));
+        s.cmp(&t).then(by_position).then(f.cmp(&g)).then(p.boundary.cmp(&q.boundary))
+    });
+    let mut numbering = Numbering::default();
+    let mut faces: Table<FaceId, Face> = Table::with_capacity(drafts.len());
+    for draft in drafts {
+        let id = faces.next_key();
+        let plane = numbering.plane(&draft, planes, points, frame.tolerance.weld_m());
+        let sides = numbering.sides(&draft, points, id);
+        let material = scene.surfaces[draft.surface].material;
+        faces.push(Face { plane, facing: draft.facing, surface: draft.surface, material, sides });
+    }
+    Prepared {
+        origin_m: frame.origin_m,
+        tolerance: frame.tolerance,
+        planes: numbering.planes,
+        vertices_m: numbering.vertices_m,
+        edges: numbering.edges,
+        faces,
+        report,
+    }
+}
+
+/// A facing of a piece; `None` where rounding left it no area.
+fn draft(piece: &PlacedPiece, facing: Facing, surface: SurfaceId, planes: &Planes, points: &Points) -> Option<Draft> {
+    let (mut boundary, mut corners) = (piece.boundary.clone(), piece.corners.clone());
+    let mut normal = planes.frames[piece.plane].plane.normal;
+    if facing == Facing::Against {
+        boundary.reverse();
+        corners.reverse();
+        corners.iter_mut().for_each(|i| *i = boundary.len() - 1 - *i);
+        normal = -normal;
+    }
+    // The boundary starts at a corner, so that no side goes around its end.
+    let first = *corners.first()?;
+    boundary.rotate_left(first);
+    corners.iter_mut().for_each(|i| *i -= first);
+    let polygon_m: Vec<DVec3> = corners.iter().map(|&i| points[boundary[i]]).collect();
+    let has_area = polygon::doubled_area_vector(&polygon_m).dot(normal) > 0.0;
+    let centroid = polygon::centroid(&polygon_m);
+    has_area.then_some(Draft { surface, centroid, facing, plane: piece.plane, boundary, corners })
+}
+
+/// Numbers that are given on first use.
+#[derive(Default)]
+struct Numbering {
+    planes: Table<PlaneId, PlaneFrame>,
+    vertices_m: Table<VertexId, DVec3>,
+    edges: Table<EdgeId, Edge>,
+    plane_of: HashMap<PlaneId, PlaneId>,
+    vertex_of: HashMap<VertexId, VertexId>,
+    edge_of: HashMap<[VertexId; 2], EdgeId>,
+}
+
+impl Numbering {
+    /// The plane of a face: its polygons' or, where cuts have bent it away from that by more than the weld distance, one
+    /// of its own.
+    fn plane(&mut self, draft: &Draft, planes: &Planes, points: &Points, weld_m: f64) -> PlaneId {
+        let known = planes.frames[draft.plane];
+        let is_off = |&v: &VertexId| known.plane.signed_distance_m(points[v]).abs() > weld_m;
+        if draft.boundary.iter().any(is_off) {
+            let corners: Vec<DVec3> = draft.corners.iter().map(|&i| points[draft.boundary[i]]).collect();
+            if let Some(own) = Plane::of_polygon(&corners) {
+                let oriented = if draft.facing == Facing::Along { own } else { own.flipped() };
+                return self.planes.push_and_get_key(PlaneFrame::new(oriented, draft.centroid));
+            }
+        }
+        *self.plane_of.entry(draft.plane).or_insert_with(|| self.planes.push_and_get_key(known))
+    }
+
+    fn vertex(&mut self, known: VertexId, points: &Points) -> VertexId {
+        *self.vertex_of.entry(known).or_insert_with(|| self.vertices_m.push_and_get_key(points[known]))
+    }
+
+    /// The sides of a face, which its edges list from now on.
+    fn sides(&mut self, draft: &Draft, points: &Points, face: FaceId) -> Vec<Side> {
+        let n = draft.boundary.len();
+        let mut sides = Vec::with_capacity(draft.corners.len());
+        for (i, &from) in draft.corners.iter().enumerate() {
+            let to = draft.corners.get(i + 1).copied().unwrap_or(n);
+            let mut side: Side = SmallVec::new();
+            for at in from..to {
+                let start = self.vertex(draft.boundary[at], points);
+                let end = self.vertex(draft.boundary[(at + 1) % n], points);
+                side.push(self.edge(start, end, face));
+            }
+            sides.push(side);
+        }
+        sides
+    }
+
+    fn edge(&mut self, start: VertexId, end: VertexId, face: FaceId) -> DirectedEdge {
+        let ends = [start.min(end), start.max(end)];
+        let edge = *self
+            .edge_of
+            .entry(ends)
+            .or_insert_with(|| self.edges.push_and_get_key(Edge { ends, faces: SmallVec::new() }));
+        let faces = &mut self.edges[edge].faces;
+        if faces.last() != Some(&face) {
+            faces.push(face);
+        }
+        DirectedEdge { edge, reversed: start > end }
+    }
+}

@@ -1,0 +1,31 @@
+//! Why a scene that is valid in itself cannot be prepared.
+
+use crate::progress::Cancelled;
+
+/// Why a scene cannot be prepared.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PrepareError {
+    /// The progress callback asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// The scene is so large or so small that single precision cannot hold it.
+    #[error("{place}: the scene measures {extent_m} m, and only {least_m} m to {most_m} m can be held: check its unit")]
+    Extent {
+        /// The polygon that reaches farthest.
+        place: String,
+        /// Largest side of the scene's bounding box, in metres.
+        extent_m: f64,
+        /// The least extent that can be held, in metres.
+        least_m: f64,
+        /// The largest extent that can be held, in metres.
+        most_m: f64,
+    },
+    /// No polygon has an area.
+    #[error("{place}: this polygon has no area, nor has any of the other {others}: nothing can be baked")]
+    NoArea {
+        /// The first polygon.
+        place: String,
+        /// How many other polygons there are.
+        others: usize,
+    },
+}

@@ -1,0 +1,236 @@
+//! Noding: edges are cut until they meet in end points only.
+//!
+//! An edge is cut at every point within the weld distance of it, and two edges are cut where they cross: in the frame of
+//! a plane that they share, or in space. Cutting bends an edge by less than the weld distance, so pieces are looked at
+//! again until nothing changes. Edges are known by their ends in all planes together: what one plane cuts, all do, and
+//! the pieces of two edges that lie on each other are the same pieces.
+//!
+//! Holds after: no point of an edge lies within the weld distance of another edge, but for its own ends; edges of one
+//! plane do not cross. Where rounding leaves no other way, an exception is counted.
+//!
+//! It ends because an edge is cut only into strictly shorter ones.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use rstar::RTree;
+use rstar::primitives::{GeomWithData, Rectangle};
+use smallvec::SmallVec;
+
+use super::coplanar::Planes;
+use super::crossing::crossing;
+use super::near::NearSegment;
+use super::sides::distance_to_segment_m;
+use super::weld::Points;
+use crate::geometry::Tolerance;
+use crate::id::{PlaneId, VertexId};
+use crate::progress::Cancelled;
+
+/// Rounds of cutting after which what is left is given up: crossings make points, whose cuts may make crossings, but
+/// each time by less than the weld distance; two or three rounds are usual.
+const MOST_ROUNDS: usize = 16;
+/// An edge and what it was cut into.
+#[derive(Clone, Debug)]
+pub(super) struct Segment {
+    /// Its ends, ascending.
+    pub(super) ends: [VertexId; 2],
+    /// The planes that it is an edge of.
+    pub(super) planes: SmallVec<[PlaneId; 2]>,
+    /// Points between the ends, in order; none for an edge that is whole.
+    nodes: SmallVec<[VertexId; 2]>,
+}
+
+impl Segment {
+    fn is_whole(&self) -> bool {
+        self.nodes.is_empty()
+    }
+}
+
+/// Edges, each once, with the pieces that they were cut into.
+#[derive(Debug, Default)]
+pub(super) struct Segments {
+    all: Vec<Segment>,
+    number_of: HashMap<[VertexId; 2], usize>,
+    /// Edges that came since the last look at points, and at crossings.
+    fresh: Vec<usize>,
+    uncrossed: Vec<usize>,
+}
+
+impl Segments {
+    /// Adds an edge of a plane; its ends differ.
+    pub(super) fn add(&mut self, ends: [VertexId; 2], planes: &[PlaneId]) {
+        let ends = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        let number = *self.number_of.entry(ends).or_insert_with(|| {
+            self.all.push(Segment { ends, planes: SmallVec::new(), nodes: SmallVec::new() });
+            self.fresh.push(self.all.len() - 1);
+            self.uncrossed.push(self.all.len() - 1);
+            self.all.len() - 1
+        });
+        let segment = &mut self.all[number];
+        let before = segment.planes.len();
+        for &plane in planes {
+            if !segment.planes.contains(&plane) {
+                segment.planes.push(plane);
+            }
+        }
+        if segment.planes.len() > before && !segment.is_whole() {
+            let pieces = children(segment);
+            pieces.into_iter().for_each(|piece| self.add(piece, planes));
+        }
+    }
+
+    /// The whole pieces of an edge, in the direction from its first end to its second.
+    pub(super) fn pieces(&self, ends: [VertexId; 2], out: &mut Vec<[VertexId; 2]>) {
+        let sorted = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        let Some(&number) = self.number_of.get(&sorted) else { return };
+        let segment = &self.all[number];
+        if segment.is_whole() {
+            out.push(ends);
+            return;
+        }
+        let mut pieces = children(segment);
+        if sorted != ends {
+            pieces.reverse();
+            pieces.iter_mut().for_each(|piece| piece.reverse());
+        }
+        pieces.into_iter().for_each(|piece| self.pieces(piece, out));
+    }
+
+    /// Cuts all edges until nothing changes. Returns how many cuts were given up.
+    pub(super) fn cut(
+        &mut self,
+        planes: &Planes,
+        points: &mut Points,
+        tolerance: &Tolerance,
+        mut pulse: impl FnMut() -> Result<(), Cancelled>,
+    ) -> Result<usize, Cancelled> {
+        for _ in 0..MOST_ROUNDS {
+            while !self.fresh.is_empty() {
+                self.cut_at_points(planes, points, tolerance);
+                pulse()?;
+            }
+            let known = points.len();
+            let crossings = self.cut_at_crossings(planes, points, tolerance);
+            pulse()?;
+            if crossings == 0 {
+                return Ok(0);
+            }
+            if points.len() > known {
+                self.fresh = (0..self.all.len()).filter(|&i| self.all[i].is_whole()).collect();
+            }
+        }
+        Ok(self.fresh.len())
+    }
+
+    /// Cuts the fresh edges at the points that lie on them.
+    fn cut_at_points(&mut self, planes: &Planes, points: &Points, tolerance: &Tolerance) {
+        let fresh: Vec<usize> =
+            std::mem::take(&mut self.fresh).into_iter().filter(|&i| self.all[i].is_whole()).collect();
+        let mut used: Vec<VertexId> = self.all.iter().filter(|s| s.is_whole()).flat_map(|s| s.ends).collect();
+        used.sort_unstable();
+        used.dedup();
+        let tree = RTree::bulk_load(used.iter().map(|&v| GeomWithData::new(points[v].to_array(), v)).collect());
+        let cuts: Vec<Vec<VertexId>> =
+            fresh.par_iter().map(|&i| points_on(&self.all[i], &tree, planes, points, tolerance)).collect();
+        for (i, nodes) in fresh.into_iter().zip(cuts) {
+            self.cut_one(i, &nodes, points);
+        }
+    }
+
+    /// Cuts edges where they cross; returns how many cuts there were.
+    fn cut_at_crossings(&mut self, planes: &Planes, points: &mut Points, tolerance: &Tolerance) -> usize {
+        let new: Vec<usize> =
+            std::mem::take(&mut self.uncrossed).into_iter().filter(|&i| self.all[i].is_whole()).collect();
+        let boxes = self.all.iter().enumerate().filter(|(_, s)| s.is_whole()).map(|(i, s)| {
+            let [a, b] = s.ends.map(|v| points[v]);
+            GeomWithData::new(Rectangle::from_corners(a.min(b).to_array(), a.max(b).to_array()), i)
+        });
+        let tree = RTree::bulk_load(boxes.collect());
+        let is_new: Vec<bool> = {
+            let mut flags = vec![false; self.all.len()];
+            new.iter().for_each(|&i| flags[i] = true);
+            flags
+        };
+        let found: Vec<Vec<(usize, DVec3)>> = new
+            .par_iter()
+            .map(|&i| {
+                let near = NearSegment::new(self.all[i].ends.map(|v| points[v]), 2.0 * tolerance.weld_m());
+                let mut met: Vec<(usize, DVec3)> = tree
+                    .locate_with_selection_function(near)
+                    .map(|other| other.data)
+                    .filter(|&j| j != i && (j > i || !is_new[j]))
+                    .filter_map(|j| Some((j, crossing(&self.all[i], &self.all[j], planes, points, tolerance)?)))
+                    .collect();
+                met.sort_unstable_by_key(|&(j, _)| j);
+                met
+            })
+            .collect();
+        let mut nodes: Vec<Vec<VertexId>> = vec![Vec::new(); self.all.len()];
+        for (&i, met) in new.iter().zip(found) {
+            for (j, place) in met {
+                let point = points.weld(place);
+                [i, j].into_iter().filter(|&k| !self.all[k].ends.contains(&point)).for_each(|k| nodes[k].push(point));
+            }
+        }
+        let mut cuts = 0;
+        for (i, mut points_on_it) in nodes.into_iter().enumerate() {
+            points_on_it.sort_unstable();
+            points_on_it.dedup();
+            cuts += usize::from(self.cut_one(i, &points_on_it, points));
+        }
+        cuts
+    }
+
+    /// Cuts an edge at points on it, or at one of them where not all pieces would be shorter. Returns whether it did.
+    fn cut_one(&mut self, number: usize, nodes: &[VertexId], points: &Points) -> bool {
+        let [a, b] = self.all[number].ends;
+        let (start, along) = (points[a], points[b] - points[a]);
+        let mut nodes: SmallVec<[VertexId; 2]> = nodes.iter().copied().collect();
+        nodes.sort_by(|&p, &q| along.dot(points[p] - start).total_cmp(&along.dot(points[q] - start)).then(p.cmp(&q)));
+        let shortens = |nodes: &[VertexId]| {
+            let stops: SmallVec<[VertexId; 4]> = [a].into_iter().chain(nodes.iter().copied()).chain([b]).collect();
+            stops.windows(2).all(|w| points[w[0]].distance_squared(points[w[1]]) < along.length_squared())
+        };
+        if !shortens(&nodes) {
+            let Some(&one) = nodes.iter().find(|&&node| shortens(&[node])) else { return false };
+            nodes = [one].into_iter().collect();
+        }
+        if nodes.is_empty() {
+            return false;
+        }
+        self.all[number].nodes = nodes;
+        let planes = self.all[number].planes.clone();
+        children(&self.all[number]).into_iter().for_each(|piece| self.add(piece, &planes));
+        true
+    }
+}
+
+fn children(segment: &Segment) -> SmallVec<[[VertexId; 2]; 4]> {
+    let [a, b] = segment.ends;
+    let stops: SmallVec<[VertexId; 4]> = [a].into_iter().chain(segment.nodes.iter().copied()).chain([b]).collect();
+    stops.windows(2).map(|w| [w[0], w[1]]).collect()
+}
+
+/// The points within the weld distance of an edge and of all its planes, but for its ends.
+fn points_on(
+    segment: &Segment,
+    tree: &RTree<GeomWithData<[f64; 3], VertexId>>,
+    planes: &Planes,
+    points: &Points,
+    tolerance: &Tolerance,
+) -> Vec<VertexId> {
+    let [a, b] = segment.ends.map(|v| points[v]);
+    let near = NearSegment::new([a, b], tolerance.weld_m());
+    let lies_on = |&v: &VertexId| {
+        let p = points[v];
+        let in_plane = |id: &PlaneId| planes.frames[*id].plane.signed_distance_m(p).abs() <= tolerance.weld_m();
+        !segment.ends.contains(&v)
+            && distance_to_segment_m(p, a, b) < tolerance.weld_m()
+            && segment.planes.iter().all(in_plane)
+    };
+    let mut found: Vec<VertexId> =
+        tree.locate_with_selection_function(near).map(|point| point.data).filter(lies_on).collect();
+    found.sort_unstable();
+    found
+}

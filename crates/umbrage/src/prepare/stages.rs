@@ -1,0 +1,186 @@
+//! The steps of `prepare` in order, and what one hands to the next.
+
+use std::collections::BTreeSet;
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use smallvec::SmallVec;
+
+use super::arrangement::{self, Arrangement, PlaneEdge};
+use super::assemble::{self, PlacedPiece};
+use super::contact::{self, Contact};
+use super::convex;
+use super::coplanar::{self, Planes};
+use super::needed::{self, NeededEdge, Use};
+use super::node::Segments;
+use super::sides;
+use super::soup::{self, Polygon};
+use super::triangulation::Triangulation;
+use super::weld::{Frame, Points};
+use super::{PrepareError, PrepareReport, Prepared};
+use crate::geometry::Tolerance;
+use crate::id::{PlaneId, SurfaceId, VertexId};
+use crate::progress::{Cancelled, Progress, Stage};
+use crate::scene::Scene;
+
+/// Steps that progress is told in.
+const STEPS: usize = 7;
+
+/// Makes faces of a scene that is valid: see [`Prepared`] for what they promise.
+///
+/// # Errors
+/// [`PrepareError::Extent`] and [`PrepareError::NoArea`] for scenes that cannot be held or have nothing to light, and
+/// [`PrepareError::Cancelled`].
+pub fn prepare(scene: &Scene, progress: Progress<'_>) -> Result<Prepared, PrepareError> {
+    let pulse = |step: usize| progress.report(Stage::Prepare, step, STEPS);
+    pulse(0)?;
+    let mut report = PrepareReport::default();
+    let frame = Frame::of_scene(scene)?;
+    let tolerance = frame.tolerance;
+    let mut points = Points::new(tolerance.weld_m());
+    let soup =
+        if tolerance.extent_m > 0.0 { soup::polygons(scene, &frame, &mut points, &mut report) } else { Vec::new() };
+    if soup.is_empty() {
+        return Err(no_area(scene));
+    }
+    let corners = points.len();
+    pulse(1)?;
+    let planes = coplanar::planes(&soup, &points, &tolerance);
+    pulse(2)?;
+    let contacts = contact::contacts(&soup, &planes, &mut points, &tolerance, &mut report.dropped_cuts, || pulse(2))?;
+    pulse(3)?;
+    let mut segments = Segments::default();
+    for (polygon, &(plane, _)) in soup.iter().zip(&planes.of_polygon) {
+        polygon.sides().for_each(|ends| segments.add(ends, &[plane]));
+    }
+    contacts.iter().for_each(|c| segments.add(c.ends, &c.planes));
+    report.dropped_cuts += segments.cut(&planes, &mut points, &tolerance, || pulse(3))?;
+    pulse(4)?;
+    let (by_plane, t_vertices) = edges_by_plane(&soup, &planes, &contacts, &segments, corners);
+    report.t_vertices = t_vertices;
+    let edges = needed_edges(&soup, &planes, &points, &by_plane, &mut report, || pulse(4))?;
+    let edges = needed::straighten(&edges, &points, &tolerance);
+    report.contact_edges = edges.iter().filter(|e| e.is_contact()).count();
+    pulse(5)?;
+    let pieces = convex_pieces(&edges, &planes, &points, &tolerance, &mut report, || pulse(5))?;
+    pulse(6)?;
+    let prepared = assemble::assemble(scene, &frame, &planes, &points, pieces, report);
+    pulse(STEPS)?;
+    Ok(prepared)
+}
+
+fn no_area(scene: &Scene) -> PrepareError {
+    let first = scene.surfaces.iter_enumerated().find(|(_, s)| !s.polygons.is_empty()).map(|(id, _)| id);
+    let place = first.map_or_else(String::new, |id: SurfaceId| scene.place(id, 0));
+    PrepareError::NoArea { place, others: scene.polygon_count().saturating_sub(1) }
+}
+
+/// One passage of a polygon along a piece of its boundary, or of a contact.
+type Passage = (PlaneId, [VertexId; 2], Option<(u32, i32)>);
+
+/// The edges of each plane, and the number of the input's corners (the first `corners` points) inside sides.
+fn edges_by_plane(
+    soup: &[Polygon],
+    planes: &Planes,
+    contacts: &[Contact],
+    segments: &Segments,
+    corners: usize,
+) -> (Vec<(PlaneId, Vec<PlaneEdge>)>, usize) {
+    let mut t_vertices = BTreeSet::new();
+    let mut passages: Vec<Passage> = Vec::new();
+    let mut pieces = Vec::new();
+    for (number, (polygon, &(plane, _))) in (0..).zip(soup.iter().zip(&planes.of_polygon)) {
+        for side in polygon.sides() {
+            pieces.clear();
+            segments.pieces(side, &mut pieces);
+            t_vertices.extend(pieces.iter().skip(1).map(|piece| piece[0]).filter(|v| v.index() < corners));
+            passages.extend(pieces.iter().map(|&[a, b]| {
+                let pass = if a < b { 1 } else { -1 };
+                (plane, [a.min(b), a.max(b)], Some((number, pass)))
+            }));
+        }
+    }
+    for contact in contacts {
+        pieces.clear();
+        segments.pieces(contact.ends, &mut pieces);
+        for plane in contact.planes {
+            passages.extend(pieces.iter().map(|&[a, b]| (plane, [a.min(b), a.max(b)], None)));
+        }
+    }
+    passages.par_sort_unstable();
+    let edge = |run: &[Passage]| PlaneEdge { ends: run[0].1, passes: run.iter().filter_map(|p| p.2).collect() };
+    let by_plane = passages
+        .chunk_by(|a, b| a.0 == b.0)
+        .map(|plane| (plane[0].0, plane.chunk_by(|a, b| a.1 == b.1).map(edge).collect()))
+        .collect();
+    (by_plane, t_vertices.len())
+}
+
+/// Divides every plane into cells and gathers the edges that are needed.
+fn needed_edges(
+    soup: &[Polygon],
+    planes: &Planes,
+    points: &Points,
+    by_plane: &[(PlaneId, Vec<PlaneEdge>)],
+    report: &mut PrepareReport,
+    pulse: impl Fn() -> Result<(), Cancelled> + Sync,
+) -> Result<Vec<NeededEdge>, Cancelled> {
+    let arrange = |(plane, edges): &(PlaneId, Vec<PlaneEdge>)| {
+        pulse()?;
+        let frame = &planes.frames[*plane];
+        let facing = |polygon: u32| planes.of_polygon[polygon as usize].1;
+        Ok(Arrangement::new(edges, soup, facing, |v| frame.to_2d(points[v])))
+    };
+    let arrangements: Vec<Arrangement> = by_plane.par_iter().map(arrange).collect::<Result<_, _>>()?;
+    let mut uses: Vec<([VertexId; 2], Use)> = Vec::new();
+    for ((plane, edges), arrangement) in by_plane.iter().zip(&arrangements) {
+        report.overlaps += arrangement.overlaps;
+        report.dropped_cuts += arrangement.missing_edges;
+        for (edge, &beside) in edges.iter().zip(&arrangement.beside) {
+            if beside != [[None; 2]; 2] {
+                uses.push((edge.ends, Use { plane: *plane, beside }));
+            }
+        }
+    }
+    uses.par_sort_unstable_by_key(|(ends, u)| (*ends, u.plane));
+    let edge = |run: &[([VertexId; 2], Use)]| NeededEdge { ends: run[0].0, uses: run.iter().map(|r| r.1).collect() };
+    Ok(uses.chunk_by(|a, b| a.0 == b.0).map(edge).filter(NeededEdge::is_needed).collect())
+}
+
+/// Partitions the cells of every plane.
+fn convex_pieces(
+    edges: &[NeededEdge],
+    planes: &Planes,
+    points: &Points,
+    tolerance: &Tolerance,
+    report: &mut PrepareReport,
+    pulse: impl Fn() -> Result<(), Cancelled> + Sync,
+) -> Result<Vec<PlacedPiece>, Cancelled> {
+    let mut uses: Vec<(PlaneId, [VertexId; 2], Use)> = Vec::new();
+    for edge in edges {
+        let ascending = edge.starting_at(edge.ends[0].min(edge.ends[1]));
+        uses.extend(ascending.uses.iter().map(|&u| (u.plane, ascending.ends, u)));
+    }
+    uses.par_sort_by_key(|u| (u.0, u.1));
+    let runs: Vec<_> = uses.chunk_by(|a, b| a.0 == b.0).collect();
+    let partition = |run: &&[(PlaneId, [VertexId; 2], Use)]| {
+        pulse()?;
+        let plane = run[0].0;
+        let (vertices, numbered) = arrangement::number(run.iter().map(|u| u.1));
+        let flat: Vec<DVec2> = vertices.iter().map(|&v| planes.frames[plane].to_2d(points[v])).collect();
+        let positions: Vec<DVec3> = vertices.iter().map(|&v| points[v]).collect();
+        let beside: SmallVec<[_; 8]> = run.iter().map(|u| u.2.beside).collect();
+        let triangulation = Triangulation::new(&flat, &numbered);
+        let pieces = convex::pieces(&flat, &positions, &triangulation, &beside, sides::straight_m(tolerance));
+        let place = |piece: convex::Piece| PlacedPiece {
+            plane,
+            boundary: piece.boundary.iter().map(|&i| vertices[i as usize]).collect(),
+            corners: piece.corners,
+            label: piece.label,
+        };
+        Ok((pieces.into_iter().map(place).collect::<Vec<_>>(), triangulation.missing_edges))
+    };
+    let found: Vec<(Vec<PlacedPiece>, usize)> = runs.par_iter().map(partition).collect::<Result<_, _>>()?;
+    report.dropped_cuts += found.iter().map(|f| f.1).sum::<usize>();
+    Ok(found.into_iter().flat_map(|f| f.0).collect())
+}

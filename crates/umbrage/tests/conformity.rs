@@ -1,0 +1,120 @@
+//! Random scenes of touching boxes and tilted polygons: whatever is baked conforms, loses no area and is continuous.
+
+mod common;
+
+use glam::{DQuat, DVec3};
+use proptest::prelude::*;
+use umbrage::bake::{BakeSettings, bake};
+use umbrage::id::{MaterialId, NodeId};
+use umbrage::progress::Progress;
+use umbrage::scene::{Material, Node, Rgb, Scene, Surface};
+
+type Polygon = Vec<DVec3>;
+
+/// The faces of a box, looking outward or inward, without the bottom if so asked.
+fn block(lo: DVec3, hi: DVec3, inward: bool, bottom: bool) -> Vec<Polygon> {
+    let corner = |x: usize, y: usize, z: usize| DVec3::new([lo.x, hi.x][x], [lo.y, hi.y][y], [lo.z, hi.z][z]);
+    let mut faces = vec![
+        vec![corner(0, 0, 1), corner(1, 0, 1), corner(1, 1, 1), corner(0, 1, 1)],
+        vec![corner(0, 0, 0), corner(1, 0, 0), corner(1, 0, 1), corner(0, 0, 1)],
+        vec![corner(0, 1, 0), corner(0, 1, 1), corner(1, 1, 1), corner(1, 1, 0)],
+        vec![corner(0, 0, 0), corner(0, 0, 1), corner(0, 1, 1), corner(0, 1, 0)],
+        vec![corner(1, 0, 0), corner(1, 1, 0), corner(1, 1, 1), corner(1, 0, 1)],
+    ];
+    if bottom {
+        faces.push(vec![corner(0, 0, 0), corner(0, 1, 0), corner(1, 1, 0), corner(1, 0, 0)]);
+    }
+    if inward {
+        faces.iter_mut().for_each(|face| face.reverse());
+    }
+    faces
+}
+
+fn scene(grey: Vec<Polygon>, light: Vec<Polygon>) -> Scene {
+    let mut scene = Scene::default();
+    scene.nodes.push(Node::default());
+    for (polygons, material) in
+        [(grey, Material::diffuse("grey", Rgb::splat(0.5))), (light, Material::emitting("light", Rgb::splat(5.0)))]
+    {
+        let material: MaterialId = scene.materials.push_and_get_key(material);
+        let mut surface = Surface { node: NodeId::from(0), material, positions_m: vec![], polygons: vec![] };
+        for polygon in polygons {
+            let first = surface.positions_m.len() as u32;
+            surface.polygons.push((first..first + polygon.len() as u32).collect());
+            surface.positions_m.extend(polygon);
+        }
+        scene.surfaces.push(surface);
+    }
+    scene
+}
+
+/// Boxes on the cells of a floor, of which neighbours touch; a tilted quadrilateral above; a light near the ceiling.
+fn random_scene() -> impl Strategy<Value = Scene> {
+    let cell = (0u8..4, 0.2..0.9, any::<bool>());
+    let tilt = (0.0..1.5, 0.0..3.0, 0.3..0.8);
+    (proptest::collection::vec(cell, 9), tilt, 0.0..1.5).prop_map(|(cells, (lean, turn, half), spin)| {
+        let mut grey = block(DVec3::ZERO, DVec3::new(3.0, 3.0, 3.0), true, true);
+        for (i, &(kind, height, bottom)) in cells.iter().enumerate() {
+            let at = DVec3::new((i % 3) as f64, (i / 3) as f64, 0.0);
+            // Whole cells touch their neighbours and the walls; smaller boxes stand free.
+            let (from, to) = match kind {
+                0 => (0.0, 1.0),
+                1 => (0.25, 0.625),
+                _ => continue,
+            };
+            grey.extend(block(at + DVec3::new(from, from, 0.0), at + DVec3::new(to, to, height), false, bottom));
+        }
+        let rotation = DQuat::from_rotation_z(turn) * DQuat::from_rotation_x(lean);
+        let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        let tilted = square.map(|(x, y)| DVec3::new(1.5, 1.5, 1.9) + rotation * (half * DVec3::new(x, y, 0.0)));
+        grey.push(tilted.to_vec());
+        let mut light = square
+            .map(|(x, y)| DVec3::new(1.2, 1.4, 2.9) + DQuat::from_rotation_z(spin) * (0.3 * DVec3::new(x, y, 0.0)));
+        light.reverse();
+        scene(grey, vec![light.to_vec()])
+    })
+}
+
+fn area_of(scene: &Scene) -> f64 {
+    scene
+        .surfaces
+        .keys()
+        .flat_map(|surface| (0..scene.surfaces[surface].polygons.len()).map(move |polygon| (surface, polygon)))
+        .map(|(surface, polygon)| {
+            umbrage::geometry::polygon::area_m2(&scene.corners_m(surface, polygon).collect::<Vec<_>>())
+        })
+        .sum()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 12, max_shrink_iters: 40, ..ProptestConfig::default() })]
+    #[test]
+    fn random_scenes_conform(scene in random_scene()) {
+        let settings = BakeSettings { max_form_factor: 0.15, min_area_m2: Some(0.05), ..BakeSettings::default() };
+        let baked = bake(&scene, &settings, Progress::silent()).unwrap();
+        prop_assert_eq!(baked.mesh.validate(), Ok(()));
+        let triangles = common::lit_triangles(&baked.mesh);
+        let eps = 1e-6 * common::extent(&triangles);
+        let t_vertices = common::t_vertices(&triangles, eps);
+        prop_assert!(t_vertices.is_empty(), "{} T-vertices: {:?}", t_vertices.len(), t_vertices[0]);
+        prop_assert_eq!(common::degenerate(&triangles, eps), 0);
+        let area: f64 = triangles.iter().map(common::Lit::area).sum();
+        prop_assert!((area / area_of(&scene) - 1.0).abs() < 1e-5, "{} of {} m2", area, area_of(&scene));
+        let (inside, jumping) = common::jumps(&triangles);
+        prop_assert!(5 * jumping <= inside, "{jumping} of {inside} edges inside a plane jump");
+    }
+}
+
+#[test]
+fn the_checker_finds_a_t_vertex_a_degenerate_triangle_and_a_jump() {
+    let lit = |corners: [[f64; 3]; 3], e: f64| common::Lit {
+        corners: corners.map(DVec3::from),
+        irradiance: [DVec3::splat(e); 3],
+    };
+    let big = lit([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], 1.0);
+    let below = lit([[0.5, 0.0, 0.0], [0.0, 0.0, 0.0], [0.5, -1.0, 0.0]], 1.0);
+    assert_eq!(common::t_vertices(&[big, below], 1e-6).len(), 1);
+    let beside = lit([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], 2.0);
+    assert_eq!(common::jumps(&[big, beside]), (1, 1));
+    assert_eq!(common::degenerate(&[lit([[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], 0.0)], 1e-6), 1);
+}
