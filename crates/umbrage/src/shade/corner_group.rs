@@ -33,8 +33,8 @@ pub(super) struct CornerGroup {
     pub(super) vertex: VertexId,
     /// A face that the corners lie on: the others are coplanar with it and look the same way.
     pub(super) face: FaceId,
-    /// The triangles, by their numbers, ascending.
-    pub(super) triangles: Vec<usize>,
+    /// The first of its triangles.
+    pub(super) first_triangle: usize,
     /// Where to evaluate the irradiance: inside the corners, and at the vertex itself only where they surround it.
     pub(super) at_m: DVec3,
 }
@@ -153,9 +153,7 @@ fn group(prepared: &Prepared, mesh: &Mesh, triangles: &[Triangle], corners: &[us
         reach_m = reach_m.min(INSIDE * height_m);
     }
     let inside_m = if surrounded { at_m } else { at_m + reach_m * bisector.normalize_or_zero() };
-    let mut numbers: Vec<usize> = corners.iter().map(|corner| corner / 3).collect();
-    numbers.sort_unstable();
-    CornerGroup { vertex, face: first.face, triangles: numbers, at_m: inside_m }
+    CornerGroup { vertex, face: first.face, first_triangle: corners[0] / 3, at_m: inside_m }
 }
 
 /// Disjoint sets whose representative is the least member.
