@@ -3,7 +3,8 @@
 //! Direct: `E = pi L F` for each emitting face, with Lambert's factor `F` of its exact visible part. Indirect: the links of
 //! the point's leaf and of all its ancestors, each evaluated at the point itself rather than averaged over the patch:
 //! their sources reflect `B - M`, and `E` sums `(B - M) F`. Where a link found its ends in clear sight of one another, the
-//! factor is the unoccluded one; else the exact visible part counts.
+//! factor is the unoccluded one; else the exact visible part counts. A point may be nearer to a source than its patch is
+//! on the whole; so a source that is split gives way to its parts where that changes the sum by more than a trifle.
 //!
 //! Before: a point lies inside its triangle, never on an edge or a contact: there the limit depends on the direction, and
 //! the caller chooses it by where it puts the point.
@@ -34,9 +35,15 @@ pub struct Irradiance<'a> {
     emitters: Vec<Emitter>,
     /// What each patch sends on of what it receives, `B - M`, in W/m2.
     reflected: Table<PatchId, Rgb>,
-    /// Polygons of the patches that links gather from.
+    /// Polygons of the patches that reflect.
     polygons: Table<PatchId, Option<SourcePolygon>>,
+    /// A source gives way to its parts where that may change the sum by more, in W/m2.
+    trifle: f64,
 }
+
+/// A source gives way to its parts where that may change irradiance by more than this share of its mean: a point gathers
+/// over some hundred links, whose errors partly cancel.
+const TRIFLE_OF_MEAN: f64 = 5e-4;
 
 impl<'a> Irradiance<'a> {
     /// Prepares the evaluation of a solved scene.
@@ -61,15 +68,16 @@ impl<'a> Irradiance<'a> {
             .iter_enumerated()
             .map(|(id, &radiosity)| (radiosity - material(mesh.patch(id).face).exitance()).max(Rgb::ZERO))
             .collect();
-        let mut polygons: Table<PatchId, Option<SourcePolygon>> = Table::from(vec![None; reflected.len()]);
-        for link in links.as_slice() {
-            if reflected[link.source] != Rgb::ZERO {
-                polygons[link.source].get_or_insert_with(|| {
-                    SourcePolygon::on_face(prepared, mesh.patch(link.source).face, mesh.polygon_m(link.source))
-                });
-            }
+        let polygon = |id: PatchId| SourcePolygon::on_face(prepared, mesh.patch(id).face, mesh.polygon_m(id));
+        let polygons =
+            reflected.iter_enumerated().map(|(id, &light)| (light != Rgb::ZERO).then(|| polygon(id))).collect();
+        let (mut light, mut area_m2) = (0.0, 0.0);
+        for root in prepared.faces.keys().map(|face| mesh.root(face)) {
+            light += mesh.patch(root).area_m2 * solution.irradiance[root].max_element();
+            area_m2 += mesh.patch(root).area_m2;
         }
-        Self { visibility, mesh, links, emitters, reflected, polygons }
+        let trifle = if area_m2 > 0.0 { TRIFLE_OF_MEAN * light / area_m2 } else { 0.0 };
+        Self { visibility, mesh, links, emitters, reflected, polygons, trifle }
     }
 
     /// Irradiance at a point that `patches` share, in W/m2: indirect light is the mean of what they gather there.
@@ -100,18 +108,37 @@ impl<'a> Irradiance<'a> {
         let mut sum = Rgb::ZERO;
         let mut node = Some(leaf);
         while let Some(patch) = node {
-            for link in self.links.of(patch) {
-                if let Some(source) = &self.polygons[link.source] {
-                    let factor = match link.sight {
-                        Sight::Clear => point_to_polygon(receiver.position_m, receiver.normal, &source.corners_m),
-                        Sight::Partial => self.visible_factor(receiver, source),
-                    };
-                    sum += factor * self.reflected[link.source];
-                }
-            }
+            sum += self
+                .links
+                .of(patch)
+                .iter()
+                .map(|link| self.reflected_by(receiver, link.source, link.sight))
+                .sum::<Rgb>();
             node = self.mesh.patch(patch).parent;
         }
         sum
+    }
+
+    /// Irradiance by what a patch reflects, taken by parts where it varies enough.
+    fn reflected_by(&self, receiver: &ReceiverPoint, source: PatchId, sight: Sight) -> Rgb {
+        let Some(polygon) = &self.polygons[source] else { return Rgb::ZERO };
+        let unhindered = point_to_polygon(receiver.position_m, receiver.normal, &polygon.corners_m);
+        if unhindered == 0.0 {
+            return Rgb::ZERO;
+        }
+        let light = self.reflected[source];
+        let solved = |part: &PatchId| part.index() < self.reflected.len();
+        if let Some(parts) = self.mesh.patch(source).subpatches.filter(|parts| parts.iter().all(solved)) {
+            let change =
+                parts.iter().map(|&part| (self.reflected[part] - light).abs().max_element()).fold(0.0, f64::max);
+            if unhindered * change > self.trifle {
+                return parts.iter().map(|&part| self.reflected_by(receiver, part, sight)).sum();
+            }
+        }
+        match sight {
+            Sight::Clear => unhindered * light,
+            Sight::Partial => self.visible_factor(receiver, polygon) * light,
+        }
     }
 
     fn visible_factor(&self, receiver: &ReceiverPoint, source: &SourcePolygon) -> f64 {
