@@ -4,19 +4,28 @@
 //! the point's leaf and of all its ancestors, each evaluated at the point itself rather than averaged over the patch:
 //! their sources reflect `B - M`, and `E` sums `(B - M) F`. Where a link found its ends in clear sight of one another, the
 //! factor is the unoccluded one; else the exact visible part counts. A point may be nearer to a source than its patch is
-//! on the whole; so a source that is split gives way to its parts where that changes the sum by more than a trifle.
+//! on the whole; so a source that is split gives way to its parts where that changes the sum by more than a trifle. A link
+//! that brings next to nothing is taken to be linear over its receiver, which it is to first order.
 //!
 //! Before: a point lies inside its triangle, never on an edge or a contact: there the limit depends on the direction, and
 //! the caller chooses it by where it puts the point.
 
+use super::field::Field;
 use crate::id::{FaceId, PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::scene::{Rgb, Scene};
 use crate::solve::Solution;
 use crate::transport::form_factor::{point_to_polygon, point_to_visible_part};
-use crate::transport::{Links, Sight};
+use crate::transport::{Link, Links, Sight};
 use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility};
+
+/// A link that brings less than this share of the mean irradiance is weak: what its linear form errs is a part of that.
+const WEAK_OF_MEAN: f64 = 1e-3;
+
+/// A source gives way to its parts where that may change irradiance by more than this share of its mean: a point gathers
+/// over some hundred links, whose errors partly cancel.
+const TRIFLE_OF_MEAN: f64 = 5e-4;
 
 /// An emitting face.
 #[derive(Clone, Debug)]
@@ -30,9 +39,12 @@ struct Emitter {
 #[derive(Debug)]
 pub struct Irradiance<'a> {
     visibility: &'a Visibility,
-    mesh: &'a Mesh,
     links: &'a Links,
     emitters: Vec<Emitter>,
+    /// Mean irradiance of all faces, in W/m2.
+    mean: f64,
+    /// What a weak link brings at most, in W/m2.
+    weak: f64,
     /// What each patch sends on of what it receives, `B - M`, in W/m2.
     reflected: Table<PatchId, Rgb>,
     /// Polygons of the patches that reflect.
@@ -41,17 +53,13 @@ pub struct Irradiance<'a> {
     trifle: f64,
 }
 
-/// A source gives way to its parts where that may change irradiance by more than this share of its mean: a point gathers
-/// over some hundred links, whose errors partly cancel.
-const TRIFLE_OF_MEAN: f64 = 5e-4;
-
 impl<'a> Irradiance<'a> {
     /// Prepares the evaluation of a solved scene.
     pub fn new(
         scene: &Scene,
         prepared: &Prepared,
         visibility: &'a Visibility,
-        mesh: &'a Mesh,
+        mesh: &Mesh,
         links: &'a Links,
         solution: &Solution,
     ) -> Self {
@@ -71,31 +79,18 @@ impl<'a> Irradiance<'a> {
         let polygon = |id: PatchId| SourcePolygon::on_face(prepared, mesh.patch(id).face, mesh.polygon_m(id));
         let polygons =
             reflected.iter_enumerated().map(|(id, &light)| (light != Rgb::ZERO).then(|| polygon(id))).collect();
-        let (mut light, mut area_m2) = (0.0, 0.0);
-        for root in prepared.faces.keys().map(|face| mesh.root(face)) {
-            light += mesh.patch(root).area_m2 * solution.irradiance[root].max_element();
-            area_m2 += mesh.patch(root).area_m2;
-        }
-        let trifle = if area_m2 > 0.0 { TRIFLE_OF_MEAN * light / area_m2 } else { 0.0 };
-        Self { visibility, mesh, links, emitters, reflected, polygons, trifle }
+        let roots = || prepared.faces.keys().map(|face| mesh.root(face));
+        let area_m2: f64 = roots().map(|root| mesh.patch(root).area_m2).sum();
+        let power: Rgb = roots().map(|root| solution.irradiance[root] * mesh.patch(root).area_m2).sum();
+        let mean = power.element_sum() / 3.0 / area_m2;
+        let weak = WEAK_OF_MEAN * power.max_element() / area_m2;
+        let trifle = TRIFLE_OF_MEAN * power.max_element() / area_m2;
+        Self { visibility, links, emitters, mean, weak, trifle, reflected, polygons }
     }
 
-    /// Irradiance at a point that `patches` share, in W/m2: indirect light is the mean of what they gather there.
-    pub fn at(&self, receiver: &ReceiverPoint, patches: &[PatchId]) -> Rgb {
-        let mut gathering: Vec<PatchId> = patches.iter().map(|&patch| self.solved_ancestor(patch)).collect();
-        gathering.sort_unstable();
-        gathering.dedup();
-        let indirect: Rgb = gathering.iter().map(|&patch| self.indirect(receiver, patch)).sum();
-        self.direct(receiver) + indirect / gathering.len().max(1) as f64
-    }
-
-    /// The patch itself, or the part that it was split from after the solution.
-    fn solved_ancestor(&self, mut patch: PatchId) -> PatchId {
-        while patch.index() >= self.reflected.len() {
-            let Some(parent) = self.mesh.patch(patch).parent else { break };
-            patch = parent;
-        }
-        patch
+    /// Mean irradiance of all faces, over the three colours, in W/m2.
+    pub fn mean(&self) -> f64 {
+        self.mean
     }
 
     /// Irradiance straight from the emitters, in W/m2.
@@ -104,23 +99,32 @@ impl<'a> Irradiance<'a> {
     }
 
     /// Irradiance by reflection, in W/m2, at a point of the unsplit patch `leaf`.
-    pub fn indirect(&self, receiver: &ReceiverPoint, leaf: PatchId) -> Rgb {
+    pub fn indirect(&self, mesh: &Mesh, receiver: &ReceiverPoint, leaf: PatchId) -> Rgb {
         let mut sum = Rgb::ZERO;
         let mut node = Some(leaf);
         while let Some(patch) = node {
-            sum += self
-                .links
-                .of(patch)
-                .iter()
-                .map(|link| self.reflected_by(receiver, link.source, link.sight))
-                .sum::<Rgb>();
-            node = self.mesh.patch(patch).parent;
+            for link in self.links.of(patch) {
+                sum += self.over_link(mesh, receiver, link);
+            }
+            node = mesh.patch(patch).parent;
         }
         sum
     }
 
+    /// Irradiance over a link at a point of its receiver.
+    fn over_link(&self, mesh: &Mesh, receiver: &ReceiverPoint, link: &Link) -> Rgb {
+        let light = self.reflected[link.source];
+        if light.max_element() * link.form_factor < self.weak {
+            let patch = mesh.patch(link.receiver);
+            let frame = mesh.frame(patch.face);
+            let away = frame.to_2d(receiver.position_m) - frame.to_2d(patch.centroid_m);
+            return (link.form_factor + link.gradient.as_dvec2().dot(away)).max(0.0) * light;
+        }
+        self.reflected_by(mesh, receiver, link.source, link.sight)
+    }
+
     /// Irradiance by what a patch reflects, taken by parts where it varies enough.
-    fn reflected_by(&self, receiver: &ReceiverPoint, source: PatchId, sight: Sight) -> Rgb {
+    fn reflected_by(&self, mesh: &Mesh, receiver: &ReceiverPoint, source: PatchId, sight: Sight) -> Rgb {
         let Some(polygon) = &self.polygons[source] else { return Rgb::ZERO };
         let unhindered = point_to_polygon(receiver.position_m, receiver.normal, &polygon.corners_m);
         if unhindered == 0.0 {
@@ -128,11 +132,11 @@ impl<'a> Irradiance<'a> {
         }
         let light = self.reflected[source];
         let solved = |part: &PatchId| part.index() < self.reflected.len();
-        if let Some(parts) = self.mesh.patch(source).subpatches.filter(|parts| parts.iter().all(solved)) {
+        if let Some(parts) = mesh.patch(source).subpatches.filter(|parts| parts.iter().all(solved)) {
             let change =
                 parts.iter().map(|&part| (self.reflected[part] - light).abs().max_element()).fold(0.0, f64::max);
             if unhindered * change > self.trifle {
-                return parts.iter().map(|&part| self.reflected_by(receiver, part, sight)).sum();
+                return parts.iter().map(|&part| self.reflected_by(mesh, receiver, part, sight)).sum();
             }
         }
         match sight {
@@ -144,6 +148,26 @@ impl<'a> Irradiance<'a> {
     fn visible_factor(&self, receiver: &ReceiverPoint, source: &SourcePolygon) -> f64 {
         let part = self.visibility.visible_part(receiver, source);
         point_to_visible_part(receiver.position_m, receiver.normal, &part)
+    }
+}
+
+/// Direct light as a field.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Direct<'a>(pub(super) &'a Irradiance<'a>);
+
+impl Field for Direct<'_> {
+    fn at(&self, _: &Mesh, point: &ReceiverPoint, _: PatchId) -> Rgb {
+        self.0.direct(point)
+    }
+}
+
+/// Indirect light as a field.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Indirect<'a>(pub(super) &'a Irradiance<'a>);
+
+impl Field for Indirect<'_> {
+    fn at(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> Rgb {
+        self.0.indirect(mesh, point, patch)
     }
 }
 
@@ -189,7 +213,7 @@ mod tests {
             let p = corners[0] + s * (corners[1] - corners[0]) + t * (corners[corners.len() - 1] - corners[0]);
             let leaf = mesh.leaves().find(|&leaf| mesh.patch(leaf).face == face && inside(leaf, p)).unwrap();
             let receiver = ReceiverPoint::on_face(&prepared, face, p);
-            [irradiance.direct(&receiver), irradiance.indirect(&receiver, leaf)]
+            [irradiance.direct(&receiver), irradiance.indirect(&mesh, &receiver, leaf)]
         };
         points.iter().map(evaluate).collect()
     }
