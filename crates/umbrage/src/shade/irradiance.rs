@@ -3,8 +3,9 @@
 //! Direct: `E = pi L F` for each emitting face, with Lambert's factor `F` of its exact visible part. Indirect: the links of
 //! the point's leaf and of all its ancestors, each evaluated at the point itself rather than averaged over the patch:
 //! their sources reflect `B - M`, and `E` sums `(B - M) F`. Where a link found its ends in clear sight of one another, the
-//! factor is the unoccluded one; else the exact visible part counts. A link that brings next to nothing is taken to be
-//! linear over its receiver, which it is to first order.
+//! factor is the unoccluded one; else the exact visible part counts. A point may be nearer to a source than its patch is
+//! on the whole; so a source that is split gives way to its parts where that changes the sum by more than a trifle. A link
+//! that brings next to nothing is taken to be linear over its receiver, which it is to first order.
 //!
 //! Before: a point lies inside its triangle, never on an edge or a contact: there the limit depends on the direction, and
 //! the caller chooses it by where it puts the point.
@@ -21,6 +22,10 @@ use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility};
 
 /// A link that brings less than this share of the mean irradiance is weak: what its linear form errs is a part of that.
 const WEAK_OF_MEAN: f64 = 1e-3;
+
+/// A source gives way to its parts where that may change irradiance by more than this share of its mean: a point gathers
+/// over some hundred links, whose errors partly cancel.
+const TRIFLE_OF_MEAN: f64 = 5e-4;
 
 /// An emitting face.
 #[derive(Clone, Debug)]
@@ -42,8 +47,10 @@ pub struct Irradiance<'a> {
     weak: f64,
     /// What each patch sends on of what it receives, `B - M`, in W/m2.
     reflected: Table<PatchId, Rgb>,
-    /// Polygons of the patches that links gather from.
+    /// Polygons of the patches that reflect.
     polygons: Table<PatchId, Option<SourcePolygon>>,
+    /// A source gives way to its parts where that may change the sum by more, in W/m2.
+    trifle: f64,
 }
 
 impl<'a> Irradiance<'a> {
@@ -69,20 +76,16 @@ impl<'a> Irradiance<'a> {
             .iter_enumerated()
             .map(|(id, &radiosity)| (radiosity - material(mesh.patch(id).face).exitance()).max(Rgb::ZERO))
             .collect();
-        let mut polygons: Table<PatchId, Option<SourcePolygon>> = Table::from(vec![None; reflected.len()]);
-        for link in links.as_slice() {
-            if reflected[link.source] != Rgb::ZERO {
-                polygons[link.source].get_or_insert_with(|| {
-                    SourcePolygon::on_face(prepared, mesh.patch(link.source).face, mesh.polygon_m(link.source))
-                });
-            }
-        }
+        let polygon = |id: PatchId| SourcePolygon::on_face(prepared, mesh.patch(id).face, mesh.polygon_m(id));
+        let polygons =
+            reflected.iter_enumerated().map(|(id, &light)| (light != Rgb::ZERO).then(|| polygon(id))).collect();
         let roots = || prepared.faces.keys().map(|face| mesh.root(face));
         let area_m2: f64 = roots().map(|root| mesh.patch(root).area_m2).sum();
         let power: Rgb = roots().map(|root| solution.irradiance[root] * mesh.patch(root).area_m2).sum();
         let mean = power.element_sum() / 3.0 / area_m2;
         let weak = WEAK_OF_MEAN * power.max_element() / area_m2;
-        Self { visibility, links, emitters, mean, weak, reflected, polygons }
+        let trifle = TRIFLE_OF_MEAN * power.max_element() / area_m2;
+        Self { visibility, links, emitters, mean, weak, trifle, reflected, polygons }
     }
 
     /// Mean irradiance of all faces, over the three colours, in W/m2.
@@ -101,25 +104,44 @@ impl<'a> Irradiance<'a> {
         let mut node = Some(leaf);
         while let Some(patch) = node {
             for link in self.links.of(patch) {
-                sum += self.link_factor(mesh, receiver, link) * self.reflected[link.source];
+                sum += self.over_link(mesh, receiver, link);
             }
             node = mesh.patch(patch).parent;
         }
         sum
     }
 
-    /// The visible factor from a point of a link's receiver to its source.
-    fn link_factor(&self, mesh: &Mesh, receiver: &ReceiverPoint, link: &Link) -> f64 {
-        let Some(source) = &self.polygons[link.source] else { return 0.0 };
-        if self.reflected[link.source].max_element() * link.form_factor < self.weak {
+    /// Irradiance over a link at a point of its receiver.
+    fn over_link(&self, mesh: &Mesh, receiver: &ReceiverPoint, link: &Link) -> Rgb {
+        let light = self.reflected[link.source];
+        if light.max_element() * link.form_factor < self.weak {
             let patch = mesh.patch(link.receiver);
             let frame = mesh.frame(patch.face);
             let away = frame.to_2d(receiver.position_m) - frame.to_2d(patch.centroid_m);
-            return (link.form_factor + link.gradient.as_dvec2().dot(away)).max(0.0);
+            return (link.form_factor + link.gradient.as_dvec2().dot(away)).max(0.0) * light;
         }
-        match link.sight {
-            Sight::Clear => point_to_polygon(receiver.position_m, receiver.normal, &source.corners_m),
-            Sight::Partial => self.visible_factor(receiver, source),
+        self.reflected_by(mesh, receiver, link.source, link.sight)
+    }
+
+    /// Irradiance by what a patch reflects, taken by parts where it varies enough.
+    fn reflected_by(&self, mesh: &Mesh, receiver: &ReceiverPoint, source: PatchId, sight: Sight) -> Rgb {
+        let Some(polygon) = &self.polygons[source] else { return Rgb::ZERO };
+        let unhindered = point_to_polygon(receiver.position_m, receiver.normal, &polygon.corners_m);
+        if unhindered == 0.0 {
+            return Rgb::ZERO;
+        }
+        let light = self.reflected[source];
+        let solved = |part: &PatchId| part.index() < self.reflected.len();
+        if let Some(parts) = mesh.patch(source).subpatches.filter(|parts| parts.iter().all(solved)) {
+            let change =
+                parts.iter().map(|&part| (self.reflected[part] - light).abs().max_element()).fold(0.0, f64::max);
+            if unhindered * change > self.trifle {
+                return parts.iter().map(|&part| self.reflected_by(mesh, receiver, part, sight)).sum();
+            }
+        }
+        match sight {
+            Sight::Clear => unhindered * light,
+            Sight::Partial => self.visible_factor(receiver, polygon) * light,
         }
     }
 
