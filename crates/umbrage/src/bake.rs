@@ -4,9 +4,9 @@
 //! generate_mesh() {
 //!     calculate all discontinuity segments                        discontinuity::find
 //!     store segments as edge split-hints to the patches           Mesh::new
-//!     for each pair of patches p,q with p != q                    transport::link_faces
+//!     for each pair of patches p,q with p != q                    transport::link_all
 //!         subdivide(p,q);
-//!                                                                 solve::iterate
+//!                                                                 solve::solve
 //!     split patches until all point split-hints and all edge      Mesh::remove_d0_hints
 //!       split-hints caused by d-segments of order 0 are removed
 //!     for all polygons p with more than three vertices            Mesh::triangulate
@@ -25,8 +25,8 @@ use crate::prepare::{self, PrepareError, PrepareReport, Prepared};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Scene, SceneError};
 use crate::shade::{self, BakedMesh, Irradiance};
-use crate::solve::{self, SolveSettings};
-use crate::transport::{self, TransportSettings};
+use crate::solve::{self, SolveSettings, Surfaces};
+use crate::transport::{self, FormFactorOracle};
 use crate::visibility::Visibility;
 
 /// Where no smallest area is given, this share of the area of all faces: about 10,000 patches if all were as small.
@@ -45,23 +45,19 @@ pub struct BakeSettings {
     pub mend_bad_shapes: bool,
     /// Whether shadow boundaries are calculated and cut into the mesh.
     pub discontinuities: bool,
-    /// The iteration ends when the radiosity changes by less than this share of the emission.
-    pub residual: f64,
-    /// It ends after this many iterations in any case.
-    pub max_iterations: usize,
+    /// When the iteration ends.
+    pub solve: SolveSettings,
 }
 
 impl Default for BakeSettings {
     fn default() -> Self {
-        let solve = SolveSettings::default();
         Self {
             max_form_factor: 0.02,
             min_area_m2: None,
             score: SplitScore::default(),
             mend_bad_shapes: true,
             discontinuities: true,
-            residual: solve.residual,
-            max_iterations: solve.max_iterations,
+            solve: SolveSettings::default(),
         }
     }
 }
@@ -156,16 +152,17 @@ pub fn bake(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> R
 
     let mesh_settings = MeshSettings { score: settings.score, mend_bad_shapes: settings.mend_bad_shapes };
     let mut mesh = Mesh::new(&prepared, &discontinuities.segments, mesh_settings);
-    let transport_settings = TransportSettings {
+    let oracle = FormFactorOracle {
         max_form_factor: settings.max_form_factor,
         min_area_m2: settings.min_area_m2.unwrap_or_else(|| MIN_AREA_OF_TOTAL * total_area_m2(&prepared)),
+        coplanar_m: prepared.tolerance.coplanar_m(),
     };
-    let links = transport::link_faces(scene, &prepared, &visibility, &mut mesh, &transport_settings, progress)?;
+    let links = transport::link_all(&prepared, &visibility, &mut mesh, &oracle, progress)?;
     let (patches, compactness) = (mesh.patch_count(), compactness_of(&mesh));
     clock.end_of(Stage::Transport);
 
-    let solve_settings = SolveSettings { residual: settings.residual, max_iterations: settings.max_iterations };
-    let solution = solve::iterate(scene, &prepared, &mesh, &links, &solve_settings, progress)?;
+    let surfaces = Surfaces::new(scene, &prepared, &mesh);
+    let solution = solve::solve(&mesh, &surfaces, &links, settings.solve, progress)?;
     clock.end_of(Stage::Solve);
 
     mesh.remove_d0_hints();

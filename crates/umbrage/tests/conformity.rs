@@ -68,9 +68,8 @@ fn random_scene() -> impl Strategy<Value = Scene> {
         let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
         let tilted = square.map(|(x, y)| DVec3::new(1.5, 1.5, 1.9) + rotation * (half * DVec3::new(x, y, 0.0)));
         grey.push(tilted.to_vec());
-        let mut light = square.map(|(x, y)| {
-            DVec3::new(1.2, 1.4, 2.9) + DQuat::from_rotation_z(spin) * (0.3 * DVec3::new(x, y, 0.0))
-        });
+        let mut light = square
+            .map(|(x, y)| DVec3::new(1.2, 1.4, 2.9) + DQuat::from_rotation_z(spin) * (0.3 * DVec3::new(x, y, 0.0)));
         light.reverse();
         scene(grey, vec![light.to_vec()])
     })

@@ -56,11 +56,12 @@ impl<'a> Irradiance<'a> {
                 exitance: material(face).exitance(),
             })
             .collect();
-        let reflected: Table<PatchId, Rgb> = mesh
-            .patches()
-            .map(|(id, patch)| (solution.radiosity[id] - material(patch.face).exitance()).max(Rgb::ZERO))
+        let reflected: Table<PatchId, Rgb> = solution
+            .radiosity
+            .iter_enumerated()
+            .map(|(id, &radiosity)| (radiosity - material(mesh.patch(id).face).exitance()).max(Rgb::ZERO))
             .collect();
-        let mut polygons: Table<PatchId, Option<SourcePolygon>> = Table::from(vec![None; mesh.patch_count()]);
+        let mut polygons: Table<PatchId, Option<SourcePolygon>> = Table::from(vec![None; reflected.len()]);
         for link in links.as_slice() {
             if reflected[link.source] != Rgb::ZERO {
                 polygons[link.source].get_or_insert_with(|| {
@@ -69,6 +70,24 @@ impl<'a> Irradiance<'a> {
             }
         }
         Self { visibility, mesh, links, emitters, reflected, polygons }
+    }
+
+    /// Irradiance at a point that `patches` share, in W/m2: indirect light is the mean of what they gather there.
+    pub fn at(&self, receiver: &ReceiverPoint, patches: &[PatchId]) -> Rgb {
+        let mut gathering: Vec<PatchId> = patches.iter().map(|&patch| self.solved_ancestor(patch)).collect();
+        gathering.sort_unstable();
+        gathering.dedup();
+        let indirect: Rgb = gathering.iter().map(|&patch| self.indirect(receiver, patch)).sum();
+        self.direct(receiver) + indirect / gathering.len().max(1) as f64
+    }
+
+    /// The patch itself, or the part that it was split from after the solution.
+    fn solved_ancestor(&self, mut patch: PatchId) -> PatchId {
+        while patch.index() >= self.reflected.len() {
+            let Some(parent) = self.mesh.patch(patch).parent else { break };
+            patch = parent;
+        }
+        patch
     }
 
     /// Irradiance straight from the emitters, in W/m2.

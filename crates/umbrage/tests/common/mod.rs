@@ -1,5 +1,10 @@
 //! An independent check of a baked mesh: it reads nothing but the triangles and their irradiance.
-#![allow(dead_code, reason = "each test binary uses its own part of this module")]
+#![allow(
+    dead_code,
+    unreachable_pub,
+    clippy::unwrap_used,
+    reason = "shared by test binaries, each of which uses a part"
+)]
 
 use std::collections::BTreeMap;
 
@@ -162,5 +167,5 @@ pub fn error(mesh: &BakedMesh, reference: &[Reference]) -> (f64, f64) {
         }
     }
     assert!(covered * 200 >= reference.len() * 199, "{covered} of {} points are on the mesh", reference.len());
-    ((squares / f64::from(covered)).sqrt() / mean, leak)
+    ((squares / covered as f64).sqrt() / mean, leak)
 }
