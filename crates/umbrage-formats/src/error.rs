@@ -122,7 +122,7 @@ pub enum FormatError {
         /// How to mend it.
         cure: &'static str,
     },
-    /// A vertex refers to a primitive's vertex that does not exist.
+    /// A triangle refers to a vertex that does not exist.
     #[error("{file}: {place}: refers to vertex {index}, but there are only {count}: export the mesh again")]
     BadIndex {
         /// The file.

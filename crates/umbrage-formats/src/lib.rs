@@ -18,5 +18,5 @@ pub use atomic::write_atomically;
 pub use baked_file::{BakedFile, BakedFilePart};
 pub use error::FormatError;
 pub use gltf::{BakeFacts, Written, baked_glb_bytes, write_baked_glb};
-pub use read::{ReadOptions, read_baked, read_scene, read_scene_with};
+pub use read::{ReadOptions, read_baked, read_baked_bytes, read_scene, read_scene_bytes, read_scene_with};
 pub use warning::Warning;

@@ -53,7 +53,21 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<(Scene, Vec<Warning>), Forma
 /// A [`FormatError`] that names the file, the place in it, and how to mend it.
 pub fn read_scene_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<(Scene, Vec<Warning>), FormatError> {
     let path = path.as_ref();
-    let bytes = gltf_bytes(path)?;
+    read_scene_bytes(path, read_file(path)?, options)
+}
+
+/// Reads a scene from the bytes of a file. `path` tells the format by its ending, names the file in messages, and is
+/// beside what the scene refers to.
+///
+/// # Errors
+/// A [`FormatError`] that names the file, the place in it, and how to mend it.
+pub fn read_scene_bytes(
+    path: impl AsRef<Path>,
+    bytes: Vec<u8>,
+    options: &ReadOptions,
+) -> Result<(Scene, Vec<Warning>), FormatError> {
+    let path = path.as_ref();
+    check_format(path, &bytes)?;
     gltf::read(path, bytes, options)
 }
 
@@ -64,22 +78,34 @@ pub fn read_scene_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<
 /// glTF without baked light.
 pub fn read_baked(path: impl AsRef<Path>) -> Result<BakedFile, FormatError> {
     let path = path.as_ref();
-    let bytes = gltf_bytes(path)?;
+    read_baked_bytes(path, read_file(path)?)
+}
+
+/// Reads a baked GLB from the bytes of a file; `path` as in [`read_scene_bytes`].
+///
+/// # Errors
+/// As [`read_baked`].
+pub fn read_baked_bytes(path: impl AsRef<Path>, bytes: Vec<u8>) -> Result<BakedFile, FormatError> {
+    let path = path.as_ref();
+    check_format(path, &bytes)?;
     gltf::read_baked(path, bytes)
 }
 
-/// The bytes of a file that is glTF by its beginning or by its name.
-fn gltf_bytes(path: &Path) -> Result<Vec<u8>, FormatError> {
+fn read_file(path: &Path) -> Result<Vec<u8>, FormatError> {
+    fs::read(path).map_err(|source| FormatError::Unreadable { file: path.display().to_string(), source })
+}
+
+/// Whether a file is glTF, by its beginning or by its name.
+fn check_format(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
     let file = path.display().to_string();
-    let bytes = fs::read(path).map_err(|source| FormatError::Unreadable { file: file.clone(), source })?;
     if bytes.is_empty() {
         return Err(FormatError::Empty { file });
     }
     let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
+    let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let is_json = text.trim_ascii_start().first() == Some(&b'{');
     if bytes.starts_with(&gltf::MAGIC) || is_json || ending == "gltf" {
-        return Ok(bytes);
+        return Ok(());
     }
     if ending == "glb" {
         let what = "it does not begin with the letters glTF".to_owned();

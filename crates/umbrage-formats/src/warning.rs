@@ -34,7 +34,7 @@ pub enum Warning {
         /// How many uses of a texture in materials.
         uses: usize,
     },
-    /// Vertex colours that are not used yet.
+    /// Vertex colours other than white, which are not used yet.
     VertexColoursIgnored {
         /// How many primitives.
         primitives: usize,

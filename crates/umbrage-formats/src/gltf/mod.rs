@@ -1,8 +1,8 @@
 //! glTF 2.0: scenes in, baked GLB out and in again.
 //!
 //! ```text
-//! container -> item -> buffer -> document -> accessor -> material, node, primitive -> read, read_baked
-//!                                              exposure -> write_buffer -> write
+//! container, item -> buffer -> document -> accessor, tally -> material, node, primitive -> read, read_baked
+//! container, write_buffer, exposure -> write
 //! ```
 
 mod accessor;

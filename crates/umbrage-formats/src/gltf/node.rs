@@ -134,8 +134,9 @@ pub(super) fn instances(
         Accessor::open(document, index, &user, &[width], &types).map(Some)
     };
     let (shift, turned, scale) = (open("TRANSLATION", 3)?, open("ROTATION", 4)?, open("SCALE", 3)?);
-    let Some(count) = [&shift, &turned, &scale].into_iter().flatten().map(|a| a.count).min() else { return Ok(None) };
-    tally.unfold(count, document, &node.place)?;
+    let given = || [&shift, &turned, &scale].into_iter().flatten();
+    let Some(count) = given().map(|a| a.count).min() else { return Ok(None) };
+    tally.unfold(given().map(Accessor::sparse_count).fold(count, usize::saturating_add), document, &node.place)?;
     let one = |i: usize| {
         let vector = |a: &Option<Accessor<'_>>, default| a.as_ref().map_or(default, |a| a.element::<3>(i, 0.0).into());
         let rotation = turned.as_ref().map_or(Some(DQuat::IDENTITY), |a| turn(a.element::<4>(i, 0.0)));

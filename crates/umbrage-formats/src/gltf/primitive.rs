@@ -8,7 +8,7 @@ use glam::{DAffine3, DVec3};
 use super::accessor::{Accessor, Component};
 use super::document::{Document, compressed};
 use super::item::Item;
-use super::tally::Tally;
+use super::tally::{PRIMITIVE_COST, Tally};
 use crate::FormatError;
 
 /// The modes of triangles, in glTF's numbers; those below are points and lines.
@@ -17,6 +17,8 @@ const STRIP: usize = 5;
 const FAN: usize = 6;
 /// Types of positions, with `KHR_mesh_quantization`.
 const POSITIONS: [Component; 5] = [Component::F32, Component::I8, Component::U8, Component::I16, Component::U16];
+/// Types of colours.
+const COLOURS: [Component; 3] = [Component::F32, Component::U8, Component::U16];
 /// Types of indices.
 const INDICES: [Component; 3] = [Component::U8, Component::U16, Component::U32];
 
@@ -37,7 +39,7 @@ pub(super) fn polygons(
     world: &DAffine3,
     tally: &mut Tally,
 ) -> Result<Option<Polygons>, FormatError> {
-    tally.unfold(1, document, place)?;
+    tally.unfold(PRIMITIVE_COST, document, place)?;
     let attributes = primitive.child("attributes")?;
     let Some(position) = attributes.as_ref().map(|a| a.whole("POSITION")).transpose()?.flatten() else {
         tally.no_positions += 1;
@@ -53,9 +55,22 @@ pub(super) fn polygons(
     if triangles.is_empty() {
         return Ok(None);
     }
-    tally.vertex_colours += usize::from(attributes.is_some_and(|a| a.get("COLOR_0").is_some()));
+    let mut used: Vec<u32> = triangles.as_flattened().to_vec();
+    used.sort_unstable();
+    used.dedup();
     tally.morphed_primitives += usize::from(primitive.get("targets").is_some());
-    place_in_world(document, &positions, triangles, world).map(Some)
+    if let Some(colour) = attributes.as_ref().map(|a| a.whole("COLOR_0")).transpose()?.flatten() {
+        let colours = Accessor::open(document, colour, &format!("{place}, COLOR_0"), &[3, 4], &COLOURS)?;
+        tally.unfold(colours.sparse_count(), document, place)?;
+        tally.vertex_colours += usize::from(!all_white(&colours, &used));
+    }
+    place_in_world(document, &positions, &used, triangles, world).map(Some)
+}
+
+/// Whether colours change nothing.
+fn all_white(colours: &Accessor<'_>, used: &[u32]) -> bool {
+    used.iter()
+        .all(|&vertex| (vertex as usize) < colours.count && colours.element::<3>(vertex as usize, 1.0) == [1.0; 3])
 }
 
 /// A primitive's triangles as numbers of its vertices, turned over if `mirrored`. Points and lines have none.
@@ -122,19 +137,16 @@ fn corners(mode: usize, triangle: usize) -> [usize; 3] {
     }
 }
 
-/// Takes the vertices that the triangles use to the world.
+/// Takes the vertices that the triangles use, in ascending order, to the world.
 fn place_in_world(
     document: &Document,
     positions: &Accessor<'_>,
+    used: &[u32],
     mut triangles: Vec<[u32; 3]>,
     world: &DAffine3,
 ) -> Result<Polygons, FormatError> {
-    let mut used: Vec<u32> = triangles.as_flattened().to_vec();
-    used.sort_unstable();
-    used.dedup();
-
     let mut positions_m = Vec::with_capacity(used.len());
-    for &vertex in &used {
+    for &vertex in used {
         let local = DVec3::from(positions.element::<3>(vertex as usize, 0.0));
         let position = world.transform_point3(local);
         if !position.is_finite() {

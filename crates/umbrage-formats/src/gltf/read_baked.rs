@@ -13,7 +13,7 @@ use super::document::{Document, List};
 use super::item::Item;
 use super::node::{self, Placed};
 use super::primitive;
-use super::tally::Tally;
+use super::tally::{PRIMITIVE_COST, Tally};
 use crate::{BakedFile, BakedFilePart, FormatError};
 
 /// Types of colours and normals.
@@ -75,7 +75,7 @@ impl PartReader<'_> {
                 return Err(FormatError::BadProperty { file, place, what });
             }
         }
-        tally.unfold(count, self.document, &self.place)?;
+        tally.unfold(count.saturating_add(PRIMITIVE_COST), self.document, &self.place)?;
 
         let plain = world == DAffine3::IDENTITY;
         let turn = normal_matrix(&world);

@@ -25,7 +25,7 @@ use crate::{FormatError, write_atomically};
 pub struct BakeFacts {
     /// The exposure `k`, per W/(m2 sr); `None` chooses it so that 99.5 % of the reflecting area is not clipped.
     pub exposure: Option<f64>,
-    /// The solution's residual.
+    /// The solution's residual; null in the file if it is not finite.
     pub residual: f64,
     /// Whatever else is worth knowing. It must not depend on time, path or thread count. Names that the writer uses
     /// itself (`exposure`, `exposure_percentile`, `residual`, `units`) are the writer's.

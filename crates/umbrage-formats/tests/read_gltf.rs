@@ -1,0 +1,337 @@
+//! What is read from a glTF: geometry, transforms, materials, warnings.
+
+mod common;
+
+use common::{Build, polygons, scene_path};
+use glam::DVec3;
+use serde_json::json;
+use umbrage::scene::cornell::cornell_box;
+use umbrage::scene::{Rgb, Scene};
+use umbrage_formats::{ReadOptions, Warning, read_scene, read_scene_with};
+
+fn vector_area(corners: &[[f64; 3]]) -> DVec3 {
+    let p: Vec<DVec3> = corners.iter().map(|&c| DVec3::from(c)).collect();
+    (1..p.len() - 1).map(|i| (p[i] - p[0]).cross(p[i + 1] - p[0]) / 2.0).sum()
+}
+
+/// Area of each material, in square metres, and the sum of its vector areas.
+fn areas(scene: &Scene) -> Vec<(String, f64, DVec3)> {
+    let mut areas: Vec<_> = scene.materials.iter().map(|m| (m.name.clone(), 0.0, DVec3::ZERO)).collect();
+    for (id, surface) in scene.surfaces.iter_enumerated() {
+        for polygon in 0..surface.polygons.len() {
+            let corners: Vec<[f64; 3]> = scene.corners_m(id, polygon).map(|c| c.to_array()).collect();
+            let area = vector_area(&corners);
+            let entry = &mut areas[usize::from(surface.material)];
+            entry.1 += area.length();
+            entry.2 += area;
+        }
+    }
+    areas
+}
+
+#[test]
+fn the_cornell_file_is_the_built_in_cornell_box() {
+    let (read, warnings) = read_scene(scene_path("cornell.glb")).unwrap();
+    let built = cornell_box();
+    assert_eq!(warnings, []);
+    assert_eq!(read.validate(), Ok(()));
+    assert_eq!((&read.name, &read.nodes), (&built.name, &built.nodes));
+    assert_eq!(read.materials.len(), built.materials.len());
+    for (r, b) in read.materials.iter().zip(&built.materials) {
+        assert_eq!((&r.name, r.double_sided), (&b.name, b.double_sided));
+        assert!((r.reflectance - b.reflectance).abs().max_element() < 1e-12, "{r:?}");
+        assert!((r.radiance - b.radiance).abs().max_element() < 1e-9, "{r:?}");
+    }
+    for ((name, area, vector), (_, built_area, built_vector)) in areas(&read).into_iter().zip(areas(&built)) {
+        assert!((area - built_area).abs() < 1e-6, "{name}: {area} {built_area}");
+        assert!((vector - built_vector).length() < 1e-6, "{name}");
+    }
+    // Every corner of the one is a corner of the other, up to rounding to f32.
+    for (surface, other) in read.surfaces.iter().zip(&built.surfaces) {
+        assert_eq!(surface.material, other.material);
+        for p in &surface.positions_m {
+            assert!(other.positions_m.iter().any(|q| p.distance(*q) < 1e-7), "{p}");
+        }
+    }
+    assert_eq!(read.polygon_count(), 16 * 2 + 2 + 2 + 2);
+}
+
+#[test]
+fn the_other_scenes_open_without_warnings() {
+    for (name, triangles, emitters) in
+        [("occluder.glb", 6, 1), ("touching.glb", 38, 1), ("furnace.glb", 12, 1), ("grid_1k.glb", 1964, 1)]
+    {
+        let (scene, warnings) = read_scene(scene_path(name)).unwrap();
+        assert_eq!(warnings, [], "{name}");
+        assert_eq!(scene.validate(), Ok(()), "{name}");
+        assert_eq!(scene.polygon_count(), triangles, "{name}");
+        assert_eq!(scene.materials.iter().filter(|m| m.emits()).count(), emitters, "{name}");
+    }
+}
+
+#[test]
+fn indices_of_every_width_and_none() {
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    for component in [5121, 5123, 5125] {
+        let mut build = Build::new();
+        let (position, indices) = (build.floats(&corners), build.indices(&[0, 1, 2, 0, 2, 3], component));
+        build.primitive(json!({"attributes": {"POSITION": position}, "indices": indices}));
+        let (scene, _) = build.read().unwrap();
+        assert_eq!(scene.surfaces.raw[0].polygons, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(scene.surfaces.raw[0].positions_m.len(), 4);
+    }
+    let (scene, _) = Build::triangle().read().unwrap();
+    assert_eq!(polygons(&scene), [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]]);
+    assert_eq!(scene.place(0.into(), 0), "node \"chair\", material \"default\", polygon 0");
+}
+
+#[test]
+fn only_the_vertices_that_are_used_are_taken() {
+    let mut build = Build::new();
+    let position = build.floats(&[[9.0; 3], [0.0; 3], [f32::NAN; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    let indices = build.indices(&[4, 1, 3], 5125);
+    build.primitive(json!({"attributes": {"POSITION": position}, "indices": indices}));
+    let (scene, _) = build.read().unwrap();
+    assert_eq!(scene.surfaces.raw[0].positions_m.len(), 3);
+    assert_eq!(polygons(&scene), [[[0.0, 1.0, 0.0], [0.0; 3], [1.0, 0.0, 0.0]]]);
+}
+
+#[test]
+fn strips_and_fans_keep_one_side_in_front() {
+    let strip = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 2.0, 0.0]];
+    let fan = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    for (mode, corners) in [(5, strip), (6, fan)] {
+        let mut build = Build::new();
+        let position = build.floats(&corners);
+        build.primitive(json!({"attributes": {"POSITION": position}, "mode": mode}));
+        let triangles = polygons(&build.read().unwrap().0);
+        assert_eq!(triangles.len(), 3);
+        for triangle in &triangles {
+            assert_eq!(vector_area(triangle), DVec3::new(0.0, 0.0, 0.5), "mode {mode}: {triangle:?}");
+        }
+    }
+}
+
+#[test]
+fn points_lines_and_left_over_corners_are_counted() {
+    let mut build = Build::new();
+    let four = build.floats(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0; 3]]);
+    for mode in [0, 1, 3, 4] {
+        build.primitive(json!({"attributes": {"POSITION": four}, "mode": mode}));
+    }
+    build.primitive(json!({"attributes": {}}));
+    let (scene, warnings) = build.read().unwrap();
+    assert_eq!(scene.polygon_count(), 1);
+    for expected in [
+        Warning::PointsAndLines { primitives: 3 },
+        Warning::LeftOverCorners { primitives: 1 },
+        Warning::NoPositions { primitives: 1 },
+    ] {
+        assert!(warnings.contains(&expected), "{warnings:?}");
+    }
+}
+
+#[test]
+fn sparse_positions_replace_others_or_zero() {
+    for base in [true, false] {
+        let mut build = Build::new();
+        let plain = build.floats(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 5.0, 0.0]]);
+        let index_bytes: Vec<u8> = [1_u16, 2].iter().flat_map(|i| i.to_le_bytes()).collect();
+        let index_view = build.view(&index_bytes);
+        let value_bytes: Vec<u8> = [2.0_f32, 0.0, 0.0, 0.0, 2.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+        let value_view = build.view(&value_bytes);
+        build.json["accessors"][plain]["sparse"] = json!({"count": 2,
+            "indices": {"bufferView": index_view, "componentType": 5123}, "values": {"bufferView": value_view}});
+        if !base {
+            build.json["accessors"][plain].as_object_mut().unwrap().remove("bufferView");
+        }
+        build.primitive(json!({"attributes": {"POSITION": plain}}));
+        assert_eq!(polygons(&build.read().unwrap().0), [[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]]]);
+    }
+}
+
+#[test]
+fn quantized_positions_and_strides() {
+    let mut build = Build::new();
+    build.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    // i16 normalized, four to a vertex for alignment.
+    let bytes: Vec<u8> = [[0_i16, 0, 0, 9], [32767, 0, 0, 9], [0, -32768, 0, 9]]
+        .iter()
+        .flatten()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    let view = build.view(&bytes);
+    build.json["bufferViews"][view]["byteStride"] = json!(8);
+    let normalized = build
+        .accessor(json!({"bufferView": view, "componentType": 5122, "count": 3, "type": "VEC3", "normalized": true}));
+    let plain = build.accessor(json!({"bufferView": view, "componentType": 5122, "count": 3, "type": "VEC3"}));
+    build.primitive(json!({"attributes": {"POSITION": normalized}}));
+    build.primitive(json!({"attributes": {"POSITION": plain}}));
+    let (scene, warnings) = build.read().unwrap();
+    assert!(!warnings.iter().any(|w| matches!(w, Warning::UnknownExtension { .. })));
+    let all = polygons(&scene);
+    assert_eq!(all[0], [[0.0; 3], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]);
+    assert_eq!(all[1], [[0.0; 3], [32767.0, 0.0, 0.0], [0.0, -32768.0, 0.0]]);
+}
+
+#[test]
+fn nested_transforms_multiply_and_parents_come_first() {
+    let mut build = Build::triangle();
+    build.json["nodes"] = json!([
+        {"name": "leaf", "mesh": 0, "translation": [1.0, 0.0, 0.0]},
+        {"name": "root", "translation": [10.0, 0.0, 0.0], "children": [2, 3]},
+        {"rotation": [0, 0, 1, 1], "scale": [2.0, 2.0, 2.0], "children": [0]},
+        {"name": "empty", "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 5,5,5,1]},
+    ]);
+    build.json["scenes"][0]["nodes"] = json!([1]);
+    let (scene, _) = build.read().unwrap();
+    let names: Vec<_> = scene.nodes.iter().map(|n| n.name.as_deref()).collect();
+    assert_eq!(names, [Some("root"), None, Some("leaf"), Some("empty")]);
+    let parents: Vec<_> = scene.nodes.iter().map(|n| n.parent.map(usize::from)).collect();
+    assert_eq!(parents, [None, Some(0), Some(1), Some(0)]);
+    assert_eq!(scene.nodes.raw[2].mesh_name.as_deref(), Some("seat"));
+    let expected = [[10.0, 2.0, 0.0], [10.0, 4.0, 0.0], [6.0, 2.0, 0.0]];
+    for (p, q) in polygons(&scene)[0].iter().zip(expected) {
+        assert!(DVec3::from(*p).distance(q.into()) < 1e-12, "{p:?}");
+    }
+}
+
+#[test]
+fn a_mirror_turns_triangles_over_so_that_fronts_stay_in_front() {
+    // A face looking up stays a face looking up when mirrored in x.
+    for (scale, mirrored) in [([-1.0, 1.0, 1.0], true), ([-1.0, 1.0, -1.0], false), ([-1.0, -1.0, -1.0], true)] {
+        let mut build = Build::triangle();
+        build.json["nodes"][0]["scale"] = json!(scale);
+        let triangle = &polygons(&build.read().unwrap().0)[0];
+        let first = triangle.iter().position(|p| p[0] != 0.0).unwrap();
+        assert_eq!(first, if mirrored { 2 } else { 1 }, "{triangle:?}");
+        let normal = DVec3::new(0.0, 0.0, 1.0) * DVec3::from(scale);
+        assert!(vector_area(triangle).dot(normal) > 0.0);
+    }
+}
+
+#[test]
+fn every_instance_is_a_surface_of_its_own() {
+    let mut build = Build::triangle();
+    build.json["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "translation": [0, 0, 1]}]);
+    build.json["scenes"][0]["nodes"] = json!([0, 1]);
+    let (scene, _) = build.read().unwrap();
+    assert_eq!(scene.surfaces.len(), 2);
+    assert_eq!(polygons(&scene)[1][0], [0.0, 0.0, 1.0]);
+}
+
+#[test]
+fn gpu_instances_become_nodes() {
+    let mut build = Build::triangle();
+    let shifts = build.floats(&[[0.0, 0.0, 1.0], [0.0, 0.0, 2.0]]);
+    build.json["nodes"][0]["translation"] = json!([5, 0, 0]);
+    build.json["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": shifts}}});
+    let (scene, _) = build.read().unwrap();
+    assert_eq!((scene.nodes.len(), scene.surfaces.len()), (3, 2));
+    assert_eq!(polygons(&scene).iter().map(|p| p[0]).collect::<Vec<_>>(), [[5.0, 0.0, 1.0], [5.0, 0.0, 2.0]]);
+}
+
+#[test]
+fn materials() {
+    let mut build = Build::triangle();
+    build.json["materials"] = json!([
+        {"name": "wall", "doubleSided": true, "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.95, 0.25, 1.0]}},
+        {"emissiveFactor": [1.0, 0.5, 0.0], "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}},
+            "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}},
+    ]);
+    build.json["meshes"][0]["primitives"][0]["material"] = json!(1);
+    let (scene, warnings) = build.read().unwrap();
+    let [wall, lamp] = [&scene.materials.raw[0], &scene.materials.raw[1]];
+    assert_eq!((wall.name.as_str(), wall.double_sided), ("wall", true));
+    assert_eq!(wall.reflectance, Rgb::new(0.5, 0.9, 0.25));
+    assert_eq!((lamp.name.as_str(), lamp.radiance), ("material 1", Rgb::new(8.0, 4.0, 0.0)));
+    assert_eq!(scene.surfaces.raw[0].material, 1.into());
+    assert_eq!(warnings, [Warning::ReflectanceCapped { materials: 1, max_reflectance: 0.9 }]);
+}
+
+#[test]
+fn the_cap_is_an_option_and_counts_the_default_material_once() {
+    let mut build = Build::triangle();
+    build.json["meshes"][0]["primitives"] = json!([{"attributes": {"POSITION": 0}}, {"attributes": {"POSITION": 0}}]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("white room.glb");
+    std::fs::write(&path, build.glb()).unwrap();
+    let (scene, warnings) = read_scene_with(&path, &ReadOptions { max_reflectance: 0.5 }).unwrap();
+    assert_eq!(scene.name, "white room");
+    assert_eq!(scene.materials.len(), 1);
+    assert_eq!(scene.materials.raw[0].reflectance, Rgb::splat(0.5));
+    assert_eq!(warnings, [Warning::ReflectanceCapped { materials: 1, max_reflectance: 0.5 }]);
+}
+
+#[test]
+fn what_is_not_used_is_counted() {
+    let mut build = Build::triangle();
+    build.json["extensionsUsed"] = json!(["FOO_bar", "FOO_baz", "KHR_materials_specular"]);
+    build.json["extensionsRequired"] = json!(["FOO_bar"]);
+    build.json["materials"] = json!([{"alphaMode": "BLEND", "emissiveTexture": {"index": 0},
+        "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1], "baseColorTexture": {"index": 0}}}]);
+    build.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    build.json["meshes"][0]["primitives"][0]["targets"] = json!([{}]);
+    build.json["nodes"][0]["skin"] = json!(0);
+    build.json["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
+    build.json["animations"] = json!([{}, {}]);
+    build.list("nodes").push(json!({"mesh": 0}));
+    let (scene, warnings) = build.read().unwrap();
+    assert_eq!(scene.polygon_count(), 1);
+    let unknown = |name: &str, required| Warning::UnknownExtension { name: name.into(), required };
+    for expected in [
+        Warning::TexturesIgnored { uses: 2 },
+        Warning::AlphaIgnored { materials: 1 },
+        Warning::MorphTargetsIgnored { primitives: 1 },
+        Warning::SkinsAtRest { nodes: 1 },
+        Warning::PunctualLightsIgnored { nodes: 1 },
+        Warning::AnimationsIgnored { animations: 2 },
+        Warning::NodesOutsideScene { nodes: 1 },
+        unknown("FOO_bar", true),
+        unknown("FOO_baz", false),
+    ] {
+        assert!(warnings.contains(&expected), "{expected:?} not in {warnings:?}");
+        assert!(!expected.to_string().is_empty());
+    }
+    assert_eq!(warnings.len(), 9);
+}
+
+#[test]
+fn only_vertex_colours_that_are_not_white_are_warned_of() {
+    for (colours, warned) in [([[1.0; 3]; 3], false), ([[1.0, 1.0, 0.5]; 3], true)] {
+        let mut build = Build::triangle();
+        let colour = build.floats(&colours);
+        build.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(colour);
+        let (_, warnings) = build.read().unwrap();
+        assert_eq!(warnings.contains(&Warning::VertexColoursIgnored { primitives: 1 }), warned, "{warnings:?}");
+    }
+}
+
+#[test]
+fn without_a_scene_all_roots_are_shown() {
+    let mut build = Build::triangle();
+    let json = build.json.as_object_mut().unwrap();
+    json.remove("scene");
+    json.remove("scenes");
+    json["nodes"] = json!([{"children": [1]}, {"mesh": 0}, {"mesh": 0}]);
+    let (scene, _) = build.read().unwrap();
+    assert_eq!((scene.nodes.len(), scene.surfaces.len()), (3, 2));
+    assert_eq!(scene.name, "test");
+}
+
+#[test]
+fn buffers_beside_the_file_and_embedded() {
+    let build = Build::triangle();
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("a folder")).unwrap();
+    std::fs::write(folder.path().join("a folder/tri.bin"), &build.bin).unwrap();
+    let base64 = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAAEAAAAAA";
+    for uri in ["a%20folder/tri.bin", &format!("data:application/octet-stream;base64,{base64}")] {
+        let mut json = build.json.clone();
+        json["buffers"] = json!([{"byteLength": build.bin.len(), "uri": uri}]);
+        let path = folder.path().join("scene.gltf");
+        std::fs::write(&path, json.to_string()).unwrap();
+        let (scene, _) = read_scene(&path).unwrap();
+        assert_eq!(polygons(&scene), [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]], "{uri}");
+    }
+}
