@@ -119,3 +119,96 @@ impl<'a> Irradiance<'a> {
         point_to_visible_part(receiver.position_m, receiver.normal, &part)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::MeshSettings;
+    use crate::progress::Progress;
+    use crate::scene::Material;
+    use crate::solve::{SolveSettings, Surfaces, solve};
+    use crate::transport::{FormFactorOracle, link_all};
+    use crate::visibility::fixture;
+    use glam::DVec3;
+    use std::f64::consts::PI;
+
+    /// Irradiance, direct and indirect, at points of a face given by shares of its first and last side.
+    fn at_points(
+        polygons: &[(Vec<DVec3>, usize)],
+        materials: Vec<Material>,
+        face: usize,
+        points: &[[f64; 2]],
+    ) -> Vec<[Rgb; 2]> {
+        let (prepared, scene) = (fixture::prepared_of_materials(polygons), fixture::scene(materials));
+        let index = Visibility::new(&prepared);
+        let mut mesh = Mesh::new(&prepared, &Table::new(), MeshSettings::default());
+        let coplanar_m = prepared.tolerance.coplanar_m();
+        let oracle = FormFactorOracle { max_form_factor: 0.02, min_area_m2: 0.002, coplanar_m };
+        let links = link_all(&prepared, &index, &mut mesh, &oracle, Progress::silent()).unwrap();
+        let surfaces = Surfaces::new(&scene, &prepared, &mesh);
+        let settings = SolveSettings { max_residual: 1e-7, max_iterations: 99 };
+        let solution = solve(&mesh, &surfaces, &links, settings, Progress::silent()).unwrap();
+        let irradiance = Irradiance::new(&scene, &prepared, &index, &mesh, &links, &solution);
+        let face = FaceId::from(face);
+        let corners = prepared.polygon_m(face);
+        let inside = |patch: PatchId, p: DVec3| {
+            let polygon = mesh.polygon_m(patch);
+            (0..polygon.len()).all(|i| {
+                let (from, to) = (polygon[i], polygon[(i + 1) % polygon.len()]);
+                (to - from).cross(p - from).dot(prepared.normal(face)) >= 0.0
+            })
+        };
+        let evaluate = |&[s, t]: &[f64; 2]| {
+            let p = corners[0] + s * (corners[1] - corners[0]) + t * (corners[corners.len() - 1] - corners[0]);
+            let leaf = mesh.leaves().find(|&leaf| mesh.patch(leaf).face == face && inside(leaf, p)).unwrap();
+            let receiver = ReceiverPoint::on_face(&prepared, face, p);
+            [irradiance.direct(&receiver), irradiance.indirect(&receiver, leaf)]
+        };
+        points.iter().map(evaluate).collect()
+    }
+
+    const POINTS: [[f64; 2]; 5] = [[0.5, 0.5], [0.013, 0.4], [0.1, 0.11], [0.999, 0.001], [0.31, 0.77]];
+
+    #[test]
+    fn a_furnace_is_evenly_lit_up_to_its_corners() {
+        let glow = Material { reflectance: Rgb::splat(0.5), ..Material::emitting("glow", Rgb::ONE / PI) };
+        let room: Vec<_> = fixture::inward_box(DVec3::ZERO, DVec3::ONE).into_iter().map(|wall| (wall, 0)).collect();
+        for [direct, indirect] in at_points(&room, vec![glow], 0, &POINTS) {
+            assert!((direct - 1.0).abs().max_element() < 1e-9, "direct {direct}");
+            assert!((indirect - 1.0).abs().max_element() < 2e-2, "indirect {indirect}");
+        }
+    }
+
+    #[test]
+    fn direct_light_is_lamberts() {
+        let square = |z: f64, up: bool| {
+            let mut corners =
+                [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| DVec3::new(x, y, z)).to_vec();
+            if !up {
+                corners.reverse();
+            }
+            corners
+        };
+        let materials =
+            vec![Material::diffuse("grey", Rgb::splat(0.5)), Material::emitting("lamp", Rgb::new(1.0, 2.0, 0.0))];
+        let scene = [(square(0.0, true), 0), (square(1.0, false), 1)];
+        let [direct, indirect] = at_points(&scene, materials, 0, &[[0.5, 0.5]])[0];
+        assert!((direct / (PI * 0.2394564705) - Rgb::new(1.0, 2.0, 0.0)).abs().max_element() < 1e-9);
+        assert_eq!(indirect, Rgb::ZERO);
+    }
+
+    #[test]
+    fn a_closed_room_beside_a_lit_one_is_exactly_dark() {
+        let corner = |x: f64, z: f64| DVec3::new(x, 0.0, z);
+        let lit = fixture::inward_box(corner(0.0, 0.0), DVec3::ONE);
+        let dark = fixture::inward_box(corner(1.0, 0.0), DVec3::new(2.0, 1.0, 1.0));
+        let mut room: Vec<_> = lit.into_iter().enumerate().map(|(i, wall)| (wall, usize::from(i == 1))).collect();
+        room.extend(dark.into_iter().map(|wall| (wall, 0)));
+        let materials = vec![Material::diffuse("white", Rgb::splat(0.9)), Material::emitting("lamp", Rgb::ONE)];
+        for face in 6..12 {
+            for light in at_points(&room, materials.clone(), face, &POINTS) {
+                assert_eq!(light, [Rgb::ZERO; 2]);
+            }
+        }
+    }
+}
