@@ -1,5 +1,7 @@
 //! The command `umbrage` as a user meets it: its words, its files and its exit codes.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
