@@ -1,9 +1,10 @@
 //! Partition of a plane's cells into convex, well-shaped pieces (Hertel and Mehlhorn, 1983).
 //!
 //! A constrained Delaunay triangulation fills the cells; then diagonals are taken away as long as what they separated is
-//! convex together. Hertel and Mehlhorn take any order and have at most four times the fewest pieces; here the diagonal
-//! goes first whose union is best shaped by `4 pi A / P^2`. Needed edges are never taken away. Both facings of a cell
-//! share its pieces, so that diagonals never cross.
+//! convex together. Hertel and Mehlhorn take any order and have at most four times the fewest pieces; here several
+//! orders are tried, by how well shaped (`4 pi A / P^2`) a union is and by how much better than its parts, and each cell
+//! keeps the one with the fewest pieces, then with the best shaped worst piece. Needed edges are never taken away. Both
+//! facings of a cell share its pieces, so that diagonals never cross.
 //!
 //! Holds after: pieces are convex but for vertices that lie straight within the tolerance; they cover the cells.
 
@@ -14,11 +15,11 @@ use glam::{DVec2, DVec3};
 
 use super::arrangement::Label;
 use super::sides;
-use super::triangulation::Triangulation;
+use super::triangulation::{Cells, Triangulation};
 use crate::geometry::polygon;
 
 /// A convex piece of a cell.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Piece {
     /// Numbers of all its boundary vertices, counter-clockwise in the frame.
     pub(super) boundary: Vec<u32>,
@@ -28,10 +29,26 @@ pub(super) struct Piece {
     pub(super) label: Label,
 }
 
-/// A diagonal that may go, and how well shaped its union would be.
+/// Which diagonal goes first.
+#[derive(Clone, Copy, Debug)]
+enum Order {
+    /// The one whose union is best shaped.
+    BestUnion,
+    /// The one whose union is better shaped than its worse part by most.
+    MostGain,
+    /// The longest.
+    Longest,
+}
+
+/// A partition is better shaped only by more than this: less is rounding.
+const LEAST_GAIN: f64 = 1e-6;
+/// All orders that are tried; of equal results the first counts.
+const ORDERS: [Order; 3] = [Order::MostGain, Order::BestUnion, Order::Longest];
+
+/// A diagonal that may go; the highest rank goes first.
 #[derive(PartialEq)]
 struct Candidate {
-    compactness: f64,
+    rank: f64,
     half: usize,
     versions: [u32; 2],
 }
@@ -40,7 +57,7 @@ impl Eq for Candidate {}
 
 impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.compactness.total_cmp(&other.compactness).then(other.half.cmp(&self.half))
+        self.rank.total_cmp(&other.rank).then(other.half.cmp(&self.half))
     }
 }
 
@@ -76,28 +93,39 @@ pub(super) fn pieces(
     beside: &[[Label; 2]],
     straight_m: f64,
 ) -> Vec<Piece> {
-    let labels = labels(triangulation, beside);
-    let shows = |t: usize| labels[t] != [None; 2];
-    let mut pieces = Pieces::new(flat, points, triangulation, straight_m, shows);
-    pieces.merge();
-    let mut done = vec![false; pieces.start.len()];
-    let mut found = Vec::new();
-    for half in 0..pieces.start.len() {
-        if done[half] || pieces.gone[half] || !shows(half / 3) {
-            continue;
+    let cells = triangulation.cells();
+    let labels = labels(triangulation, &cells, beside);
+    let mut best: Vec<Option<Partition>> = vec![None; cells.count];
+    for order in ORDERS {
+        let mut pieces =
+            Pieces::new(flat, points, triangulation, straight_m, |t| labels[cells.cell_of[t] as usize] != [None; 2]);
+        pieces.merge(order);
+        for (cell, found) in pieces.by_cell(&cells, &labels).into_iter().enumerate() {
+            if best[cell].as_ref().is_none_or(|known| found.is_better_than(known)) {
+                best[cell] = Some(found);
+            }
         }
-        let round = pieces.round(half);
-        round.iter().for_each(|&h| done[h] = true);
-        let boundary: Vec<u32> = round.iter().map(|&h| pieces.start[h]).collect();
-        let corners = pieces.corners(&boundary).unwrap_or_else(|| (0..boundary.len()).collect());
-        found.push(Piece { boundary, corners, label: labels[half / 3] });
     }
-    found
+    best.into_iter().flatten().flat_map(|partition| partition.pieces).collect()
 }
 
-/// What each triangle shows: what some edge of its cell has on that side.
-fn labels(triangulation: &Triangulation, beside: &[[Label; 2]]) -> Vec<Label> {
-    let cells = triangulation.cells();
+/// The pieces of one cell.
+#[derive(Clone, Debug, Default)]
+struct Partition {
+    pieces: Vec<Piece>,
+    /// Compactness of the worst shaped piece.
+    worst: f64,
+}
+
+impl Partition {
+    fn is_better_than(&self, other: &Self) -> bool {
+        let (n, m) = (self.pieces.len(), other.pieces.len());
+        n < m || (n == m && self.worst > other.worst + LEAST_GAIN)
+    }
+}
+
+/// What each cell shows: what some edge of it has on that side.
+fn labels(triangulation: &Triangulation, cells: &Cells, beside: &[[Label; 2]]) -> Vec<Label> {
     let mut label_of: Vec<Option<Label>> = vec![None; cells.count];
     for (t, triangle) in triangulation.triangles.iter().enumerate() {
         for i in 0..3 {
@@ -107,7 +135,7 @@ fn labels(triangulation: &Triangulation, beside: &[[Label; 2]]) -> Vec<Label> {
             }
         }
     }
-    cells.cell_of.iter().map(|&cell| label_of[cell as usize].unwrap_or_default()).collect()
+    label_of.into_iter().map(Option::unwrap_or_default).collect()
 }
 
 impl<'a> Pieces<'a> {
@@ -174,20 +202,49 @@ impl<'a> Pieces<'a> {
         sides::convex_corners(&flat, &points, self.straight_m)
     }
 
-    fn candidate(&mut self, half: usize) -> Option<Candidate> {
+    fn candidate(&mut self, half: usize, order: Order) -> Option<Candidate> {
         let twin = self.twin[half]?;
         let half = half.min(twin);
         let (p, q) = (self.piece_of(half), self.piece_of(self.twin[half]?));
-        let perimeter_m = self.perimeter_m[p] + self.perimeter_m[q] - 2.0 * self.length_m(half);
-        let compactness = polygon::compactness(self.area_m2[p] + self.area_m2[q], perimeter_m);
-        Some(Candidate { compactness, half, versions: [self.version[p], self.version[q]] })
+        let length_m = self.length_m(half);
+        let perimeter_m = self.perimeter_m[p] + self.perimeter_m[q] - 2.0 * length_m;
+        let union = polygon::compactness(self.area_m2[p] + self.area_m2[q], perimeter_m);
+        let rank = match order {
+            Order::BestUnion => union,
+            Order::MostGain => union - self.compactness(p).min(self.compactness(q)),
+            Order::Longest => length_m,
+        };
+        Some(Candidate { rank, half, versions: [self.version[p], self.version[q]] })
     }
 
-    fn merge(&mut self) {
+    fn compactness(&self, piece: usize) -> f64 {
+        polygon::compactness(self.area_m2[piece], self.perimeter_m[piece])
+    }
+
+    fn by_cell(&mut self, cells: &Cells, labels: &[Label]) -> Vec<Partition> {
+        let mut partitions: Vec<Partition> = vec![Partition { pieces: Vec::new(), worst: 1.0 }; cells.count];
+        let mut done = vec![false; self.start.len()];
+        for half in 0..self.start.len() {
+            let cell = cells.cell_of[half / 3] as usize;
+            if done[half] || self.gone[half] || labels[cell] == [None; 2] {
+                continue;
+            }
+            let round = self.round(half);
+            round.iter().for_each(|&h| done[h] = true);
+            let boundary: Vec<u32> = round.iter().map(|&h| self.start[h]).collect();
+            let corners = self.corners(&boundary).unwrap_or_else(|| (0..boundary.len()).collect());
+            let piece = self.piece_of(half);
+            partitions[cell].worst = partitions[cell].worst.min(self.compactness(piece));
+            partitions[cell].pieces.push(Piece { boundary, corners, label: labels[cell] });
+        }
+        partitions
+    }
+
+    fn merge(&mut self, order: Order) {
         let mut open = BinaryHeap::new();
         for half in 0..self.start.len() {
             if self.twin[half].is_some_and(|twin| half < twin) {
-                open.extend(self.candidate(half));
+                open.extend(self.candidate(half, order));
             }
         }
         while let Some(Candidate { half, versions, .. }) = open.pop() {
@@ -204,7 +261,7 @@ impl<'a> Pieces<'a> {
             {
                 let grown = self.unite(half, twin, [p, q]);
                 for at in self.round(grown) {
-                    open.extend(self.candidate(at));
+                    open.extend(self.candidate(at, order));
                 }
             }
         }

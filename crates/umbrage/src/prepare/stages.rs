@@ -35,6 +35,9 @@ pub fn prepare(scene: &Scene, progress: Progress<'_>) -> Result<Prepared, Prepar
     let pulse = |step: usize| progress.report(Stage::Prepare, step, STEPS);
     pulse(0)?;
     let mut report = PrepareReport::default();
+    if scene.polygon_count() == 0 {
+        return Err(no_area(scene));
+    }
     let frame = Frame::of_scene(scene)?;
     let tolerance = frame.tolerance;
     let mut points = Points::new(tolerance.weld_m());
@@ -71,7 +74,7 @@ pub fn prepare(scene: &Scene, progress: Progress<'_>) -> Result<Prepared, Prepar
 
 fn no_area(scene: &Scene) -> PrepareError {
     let first = scene.surfaces.iter_enumerated().find(|(_, s)| !s.polygons.is_empty()).map(|(id, _)| id);
-    let place = first.map_or_else(String::new, |id: SurfaceId| scene.place(id, 0));
+    let place = first.map_or_else(|| "the scene".to_owned(), |id: SurfaceId| scene.place(id, 0));
     PrepareError::NoArea { place, others: scene.polygon_count().saturating_sub(1) }
 }
 
