@@ -55,7 +55,12 @@ pub(super) struct Segments {
     /// Edges that came since the last look at points, and at crossings.
     fresh: Vec<usize>,
     uncrossed: Vec<usize>,
+    /// Which points were the end of an edge at the last look at points.
+    used: Vec<bool>,
 }
+
+/// A point in a tree.
+type PlacedPoint = GeomWithData<[f64; 3], VertexId>;
 
 impl Segments {
     /// Adds an edge of a plane; its ends differ.
@@ -110,30 +115,37 @@ impl Segments {
                 self.cut_at_points(planes, points, tolerance);
                 pulse()?;
             }
-            let known = points.len();
             let crossings = self.cut_at_crossings(planes, points, tolerance);
             pulse()?;
             if crossings == 0 {
                 return Ok(0);
             }
-            if points.len() > known {
-                self.fresh = (0..self.all.len()).filter(|&i| self.all[i].is_whole()).collect();
-            }
         }
         Ok(self.fresh.len())
     }
 
-    /// Cuts the fresh edges at the points that lie on them.
+    /// Cuts fresh edges at the points that lie on them, and all others at points that are newly in use.
     fn cut_at_points(&mut self, planes: &Planes, points: &Points, tolerance: &Tolerance) {
-        let fresh: Vec<usize> =
-            std::mem::take(&mut self.fresh).into_iter().filter(|&i| self.all[i].is_whole()).collect();
+        let mut is_fresh = vec![false; self.all.len()];
+        std::mem::take(&mut self.fresh).into_iter().for_each(|i| is_fresh[i] = true);
         let mut used: Vec<VertexId> = self.all.iter().filter(|s| s.is_whole()).flat_map(|s| s.ends).collect();
         used.sort_unstable();
         used.dedup();
-        let tree = RTree::bulk_load(used.iter().map(|&v| GeomWithData::new(points[v].to_array(), v)).collect());
-        let cuts: Vec<Vec<VertexId>> =
-            fresh.par_iter().map(|&i| points_on(&self.all[i], &tree, planes, points, tolerance)).collect();
-        for (i, nodes) in fresh.into_iter().zip(cuts) {
+        self.used.resize(points.len(), false);
+        let new: Vec<VertexId> = used.iter().copied().filter(|v| !self.used[v.index()]).collect();
+        new.iter().for_each(|v| self.used[v.index()] = true);
+        let tree_of = |vertices: &[VertexId]| -> RTree<PlacedPoint> {
+            RTree::bulk_load(vertices.iter().map(|&v| PlacedPoint::new(points[v].to_array(), v)).collect())
+        };
+        let (all_points, new_points) = (tree_of(&used), tree_of(&new));
+        let look_at: Vec<usize> =
+            (0..self.all.len()).filter(|&i| self.all[i].is_whole() && (is_fresh[i] || !new.is_empty())).collect();
+        let on = |&i: &usize| {
+            let tree = if is_fresh[i] { &all_points } else { &new_points };
+            points_on(&self.all[i], tree, planes, points, tolerance)
+        };
+        let cuts: Vec<Vec<VertexId>> = look_at.par_iter().map(on).collect();
+        for (i, nodes) in look_at.into_iter().zip(cuts) {
             self.cut_one(i, &nodes, points);
         }
     }
@@ -215,7 +227,7 @@ fn children(segment: &Segment) -> SmallVec<[[VertexId; 2]; 4]> {
 /// The points within the weld distance of an edge and of all its planes, but for its ends.
 fn points_on(
     segment: &Segment,
-    tree: &RTree<GeomWithData<[f64; 3], VertexId>>,
+    tree: &RTree<PlacedPoint>,
     planes: &Planes,
     points: &Points,
     tolerance: &Tolerance,

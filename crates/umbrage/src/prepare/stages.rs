@@ -11,6 +11,7 @@ use super::assemble::{self, PlacedPiece};
 use super::contact::{self, Contact};
 use super::convex;
 use super::coplanar::{self, Planes};
+use super::diagonal;
 use super::needed::{self, NeededEdge, Use};
 use super::node::Segments;
 use super::sides;
@@ -65,7 +66,8 @@ pub fn prepare(scene: &Scene, progress: Progress<'_>) -> Result<Prepared, Prepar
     let edges = needed::straighten(&edges, &points, &tolerance);
     report.contact_edges = edges.iter().filter(|e| e.is_contact()).count();
     pulse(5)?;
-    let pieces = convex_pieces(&edges, &planes, &points, &tolerance, &mut report, || pulse(5))?;
+    let mut pieces = convex_pieces(&edges, &planes, &points, &tolerance, &mut report, || pulse(5))?;
+    diagonal::cut(&mut pieces, &edges, &points, &tolerance);
     pulse(6)?;
     let prepared = assemble::assemble(scene, &frame, &planes, &points, pieces, report);
     pulse(STEPS)?;

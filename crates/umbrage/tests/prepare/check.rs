@@ -22,14 +22,19 @@ pub(crate) fn prepared(scene: &Scene, overlap_m2: f64) -> Prepared {
 }
 
 pub(crate) fn check(scene: &Scene, p: &Prepared, overlap_m2: f64) -> Result<(), String> {
+    check_topology(p)?;
+    area_is_conserved(scene, p, overlap_m2)?;
+    borders_are_true(scene, p)
+}
+
+/// Everything that holds even where polygons cross and cover each other.
+pub(crate) fn check_topology(p: &Prepared) -> Result<(), String> {
     p.validate().map_err(|e| e.to_string())?;
     if p.report.dropped_cuts != 0 {
         return Err(format!("{} cuts dropped", p.report.dropped_cuts));
     }
-    area_is_conserved(scene, p, overlap_m2)?;
     edges_meet_in_ends_only(p)?;
     edges_and_faces_know_each_other(p)?;
-    borders_are_true(scene, p)?;
     faces_do_not_overlap(p)
 }
 
@@ -70,7 +75,7 @@ fn to_segment_m(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     p.distance(a.lerp(b, t))
 }
 
-pub(crate) fn edges_meet_in_ends_only(p: &Prepared) -> Result<(), String> {
+fn edges_meet_in_ends_only(p: &Prepared) -> Result<(), String> {
     let near_m = NEAR_OF_EXTENT * p.tolerance.extent_m;
     let edges: Vec<_> = p.edges.iter().map(|e| (e.ends, e.ends.map(|v| p.vertices_m[v]))).collect();
     for (i, (ends, at)) in edges.iter().enumerate() {
