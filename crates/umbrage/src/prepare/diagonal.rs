@@ -9,12 +9,11 @@ use std::collections::HashSet;
 
 use rayon::prelude::*;
 use rstar::RTree;
-use rstar::primitives::GeomWithData;
 
 use super::assemble::PlacedPiece;
-use super::near::NearSegment;
+use super::near::{PlacedPoint, points_within};
 use super::needed::NeededEdge;
-use super::sides::{self, distance_to_segment_m};
+use super::sides;
 use super::weld::Points;
 use crate::geometry::Tolerance;
 use crate::id::{PlaneId, VertexId};
@@ -28,8 +27,8 @@ pub(super) fn cut(pieces: &mut [PlacedPiece], edges: &[NeededEdge], points: &Poi
     let mut vertices: Vec<VertexId> = edges.iter().flat_map(|e| e.ends).collect();
     vertices.sort_unstable();
     vertices.dedup();
-    let tree: RTree<GeomWithData<[f64; 3], VertexId>> =
-        RTree::bulk_load(vertices.iter().map(|&v| GeomWithData::new(points[v].to_array(), v)).collect());
+    let tree: RTree<PlacedPoint> =
+        RTree::bulk_load(vertices.iter().map(|&v| PlacedPoint::new(points[v].to_array(), v)).collect());
     pieces.par_iter_mut().for_each(|piece| {
         let n = piece.boundary.len();
         let mut stops: Vec<(usize, Vec<VertexId>)> = Vec::new();
@@ -38,17 +37,9 @@ pub(super) fn cut(pieces: &mut [PlacedPiece], edges: &[NeededEdge], points: &Poi
             if needed.contains(&ends) || needed.contains(&[ends[1], ends[0]]) {
                 continue;
             }
-            let [a, b] = ends.map(|v| points[v]);
-            let mut found: Vec<VertexId> = tree
-                .locate_with_selection_function(NearSegment::new([a, b], reach_m))
-                .map(|point| point.data)
-                .filter(|&v| !own.contains(&(piece.plane, v)) && distance_to_segment_m(points[v], a, b) < reach_m)
-                .collect();
+            let mut found = points_within(&tree, ends.map(|v| points[v]), reach_m);
+            found.retain(|&v| !own.contains(&(piece.plane, v)));
             if !found.is_empty() {
-                found.sort_by(|&p, &q| {
-                    let along = |v: VertexId| (points[v] - a).dot(b - a);
-                    along(p).total_cmp(&along(q)).then(p.cmp(&q))
-                });
                 stops.push((i, found));
             }
         }

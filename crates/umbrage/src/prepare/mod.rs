@@ -21,12 +21,15 @@ mod crossing;
 mod diagonal;
 mod error;
 mod face;
+mod merge;
 mod near;
 mod needed;
 mod node;
 mod sides;
 mod soup;
 mod stages;
+#[cfg(test)]
+mod testing;
 mod triangulation;
 mod weld;
 
