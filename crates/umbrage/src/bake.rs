@@ -29,8 +29,8 @@ use crate::solve::{self, SolveSettings, Surfaces};
 use crate::transport::{self, FormFactorOracle};
 use crate::visibility::Visibility;
 
-/// Where no smallest area is given, this share of the area of all faces: about 10,000 patches if all were as small.
-const MIN_AREA_OF_TOTAL: f64 = 1e-4;
+/// Where no smallest area is given, this share of the area of all faces: 4,000 patches if all were as small.
+const MIN_AREA_OF_TOTAL: f64 = 2.5e-4;
 
 /// How a scene is baked.
 #[derive(Clone, Copy, Debug, PartialEq)]

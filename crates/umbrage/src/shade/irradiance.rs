@@ -21,11 +21,11 @@ use crate::transport::{Link, Links, Sight};
 use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility};
 
 /// A link that brings less than this share of the mean irradiance is weak: what its linear form errs is a part of that.
-const WEAK_OF_MEAN: f64 = 1e-3;
+const WEAK_OF_MEAN: f64 = 5e-3;
 
 /// A source gives way to its parts where that may change irradiance by more than this share of its mean: a point gathers
 /// over some hundred links, whose errors partly cancel.
-const TRIFLE_OF_MEAN: f64 = 5e-4;
+const TRIFLE_OF_MEAN: f64 = 1e-3;
 
 /// An emitting face.
 #[derive(Clone, Debug)]
@@ -43,8 +43,6 @@ pub struct Irradiance<'a> {
     emitters: Vec<Emitter>,
     /// Mean irradiance of all faces, in W/m2.
     mean: f64,
-    /// What a weak link brings at most, in W/m2.
-    weak: f64,
     /// What each patch sends on of what it receives, `B - M`, in W/m2.
     reflected: Table<PatchId, Rgb>,
     /// Polygons of the patches that reflect.
@@ -83,9 +81,8 @@ impl<'a> Irradiance<'a> {
         let area_m2: f64 = roots().map(|root| mesh.patch(root).area_m2).sum();
         let power: Rgb = roots().map(|root| solution.irradiance[root] * mesh.patch(root).area_m2).sum();
         let mean = power.element_sum() / 3.0 / area_m2;
-        let weak = WEAK_OF_MEAN * power.max_element() / area_m2;
         let trifle = TRIFLE_OF_MEAN * power.max_element() / area_m2;
-        Self { visibility, links, emitters, mean, weak, trifle, reflected, polygons }
+        Self { visibility, links, emitters, mean, trifle, reflected, polygons }
     }
 
     /// Mean irradiance of all faces, over the three colours, in W/m2.
@@ -114,7 +111,7 @@ impl<'a> Irradiance<'a> {
     /// Irradiance over a link at a point of its receiver.
     fn over_link(&self, mesh: &Mesh, receiver: &ReceiverPoint, link: &Link) -> Rgb {
         let light = self.reflected[link.source];
-        if light.max_element() * link.form_factor < self.weak {
+        if light.max_element() * link.form_factor < WEAK_OF_MEAN * self.mean {
             let patch = mesh.patch(link.receiver);
             let frame = mesh.frame(patch.face);
             let away = frame.to_2d(receiver.position_m) - frame.to_2d(patch.centroid_m);
