@@ -3,6 +3,7 @@
 use clap::Args;
 use umbrage::bake::BakeSettings;
 use umbrage::mesh::SplitScore;
+use umbrage::shade::ShadeSettings;
 
 /// How the mesh is refined.
 #[derive(Debug, Args)]
@@ -14,6 +15,13 @@ pub(crate) struct MethodArgs {
     /// Never split patches smaller than this, in square metres [default: from the size of the scene]
     #[arg(long, value_name = "A", value_parser = positive)]
     min_area: Option<f64>,
+    /// Refine what is shown until the error of its irradiance, relative to the mean, is less than this; `off` shows the
+    /// patches as the form factors left them
+    #[arg(long, value_name = "T", value_parser = tolerance, default_value_t = BakeSettings::default().shade.tolerance)]
+    tolerance: f64,
+    /// Refine to about this many triangles at most [default: as many as the tolerance asks]
+    #[arg(long, value_name = "N")]
+    max_triangles: Option<usize>,
     /// What makes a good cut of a patch: `eq1` is Eq. (1) of the paper as printed, `well-shaped` also shuns slivers
     #[arg(long, value_name = "SCORE", default_value_t)]
     score: SplitScore,
@@ -35,6 +43,10 @@ impl MethodArgs {
             score: self.score,
             mend_bad_shapes: !self.keep_bad_shapes,
             discontinuities: !self.no_discontinuities,
+            shade: ShadeSettings {
+                tolerance: self.tolerance,
+                max_triangles: self.max_triangles.unwrap_or(default.shade.max_triangles),
+            },
             ..default
         }
     }
@@ -48,6 +60,11 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
 /// A number above 0 and at most 1.
 pub(crate) fn share(text: &str) -> Result<f64, String> {
     positive(text).and_then(|x| if x <= 1.0 { Ok(x) } else { Err("must be at most 1".into()) })
+}
+
+/// A number above 0, or `off` for none.
+fn tolerance(text: &str) -> Result<f64, String> {
+    if text.trim() == "off" { Ok(f64::INFINITY) } else { positive(text) }
 }
 
 /// A finite number.
@@ -68,6 +85,7 @@ mod tests {
     fn numbers_are_checked() {
         assert_eq!(positive("0.25"), Ok(0.25));
         assert_eq!(share("1"), Ok(1.0));
+        assert_eq!(tolerance("off"), Ok(f64::INFINITY));
         assert!(positive("0").is_err() && positive("-1").is_err() && positive("nan").is_err() && share("1.5").is_err());
     }
 
