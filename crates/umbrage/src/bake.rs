@@ -171,8 +171,13 @@ pub fn bake(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> R
     clock.end_of(Stage::Solve);
 
     let light = Irradiance::new(scene, &prepared, &visibility, &mesh, &links, &solution);
-    let shaded = shade::shade(scene, &prepared, &mut mesh, &light, settings.shade, progress)?;
-    check(|| mesh.validate().map_err(|error| error.to_string()));
+    let mut shown = if settings.shade.tolerance.is_finite() {
+        Mesh::new(&prepared, &discontinuities.segments, mesh_settings)
+    } else {
+        mesh.clone()
+    };
+    let shaded = shade::shade(scene, &prepared, &mut shown, &light, settings.shade, progress)?;
+    check(|| shown.validate().map_err(|error| error.to_string()));
     check(|| shaded.mesh.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Shade);
 
