@@ -1,5 +1,5 @@
 //! The balance of light: radiosity of every node of the hierarchy (Hanrahan, Salzman and Aupperle, *A rapid hierarchical
-//! radiosity algorithm*, 1991; the paper's [4]).
+//! radiosity algorithm*, 1991; the paper's reference 4).
 //!
 //! `B = M + rho E`: radiosity is emitted exitance plus reflected irradiance, and irradiance comes over links. An iteration
 //! gathers over all links ([`gather`]), then pushes irradiance down to the leaves and pulls radiosity up ([`push_pull`]).

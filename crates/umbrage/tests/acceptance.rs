@@ -1,0 +1,75 @@
+//! Whole bakes of the project's scenes, against light that was computed elsewhere.
+
+mod common;
+
+use std::f64::consts::PI;
+
+use umbrage::bake::{Bake, BakeSettings, bake};
+use umbrage::progress::Progress;
+use umbrage::scene::{Scene, cornell};
+
+fn scene(name: &str) -> Scene {
+    let path = format!("{}/../../testdata/scenes/{name}.glb", env!("CARGO_MANIFEST_DIR"));
+    umbrage_formats::read_scene(path).unwrap().0
+}
+
+fn baked(scene: &Scene) -> Bake {
+    bake(scene, &BakeSettings::default(), Progress::silent()).unwrap()
+}
+
+/// Bakes a scene and holds its relative RMSE, its triangles and its dark points against bounds.
+fn holds(name: &str, scene: &Scene, most_error: f64, most_triangles: usize) {
+    let baked = baked(scene);
+    let (error, leak) = common::error(&baked.mesh, &common::reference(name));
+    assert!(error <= most_error, "relative RMSE {error}");
+    assert!(leak < 1e-3, "a dark point shows {leak} of the mean");
+    assert!(baked.report.triangles <= most_triangles, "{} triangles", baked.report.triangles);
+    let triangles = common::lit_triangles(&baked.mesh);
+    let eps = 1e-6 * common::extent(&triangles);
+    assert!(common::t_vertices(&triangles, eps).is_empty());
+    assert_eq!(common::degenerate(&triangles, eps), 0);
+}
+
+#[test]
+fn the_cornell_box_is_right_to_3_percent() {
+    holds("cornell", &cornell::cornell_box(), 0.03, 12_000);
+}
+
+#[test]
+fn a_square_occluders_penumbra_is_right_to_1_percent() {
+    holds("occluder", &scene("occluder"), 0.01, 2_000);
+}
+
+#[test]
+fn touching_boxes_are_right_to_3_percent_and_do_not_leak() {
+    holds("touching", &scene("touching"), 0.03, 20_000);
+}
+
+#[test]
+fn a_furnace_glows_evenly() {
+    let baked = baked(&scene("furnace"));
+    let triangles = common::lit_triangles(&baked.mesh);
+    let exitance = 1.0;
+    let (mut area, mut sum, mut squares) = (0.0, 0.0, 0.0);
+    for triangle in &triangles {
+        let radiosity = triangle.irradiance.map(|e| 0.5 * e.element_sum() / 3.0 + exitance);
+        let mean = radiosity.iter().sum::<f64>() / 3.0;
+        area += triangle.area();
+        sum += triangle.area() * mean;
+        squares += triangle.area() * radiosity.iter().map(|b| (b - 2.0).powi(2)).sum::<f64>() / 3.0;
+    }
+    assert!((sum / area - 2.0).abs() < 2e-3, "area mean {}", sum / area);
+    assert!((squares / area).sqrt() < 0.02, "rms {}", (squares / area).sqrt() / 2.0);
+    assert!((PI * 0.3183098861837907 - exitance).abs() < 1e-12, "the file's radiance");
+}
+
+#[test]
+fn one_and_two_threads_bake_the_same_bytes() {
+    let scene = scene("occluder");
+    let bytes = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let baked = pool.install(|| baked(&scene));
+        umbrage_formats::baked_glb_bytes(&scene, &baked.mesh, &umbrage_formats::BakeFacts::default()).unwrap()
+    };
+    assert_eq!(bytes(1), bytes(2));
+}
