@@ -21,7 +21,7 @@ use crate::transport::{Link, Links, Sight};
 use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility};
 
 /// A link that brings less than this share of the mean irradiance is weak: what its linear form errs is a part of that.
-const WEAK_OF_MEAN: f64 = 5e-3;
+const WEAK_OF_MEAN: f64 = 1e-3;
 
 /// A source gives way to its parts where that may change irradiance by more than this share of its mean: a point gathers
 /// over some hundred links, whose errors partly cancel.
@@ -106,7 +106,7 @@ impl<'a> Irradiance<'a> {
             }
             node = self.mesh.patch(patch).parent;
         }
-        sum
+        sum.max(Rgb::ZERO)
     }
 
     /// Irradiance over a link at a point of its receiver.
@@ -116,7 +116,7 @@ impl<'a> Irradiance<'a> {
             let patch = self.mesh.patch(link.receiver);
             let frame = self.mesh.frame(patch.face);
             let away = frame.to_2d(receiver.position_m) - frame.to_2d(patch.centroid_m);
-            return (link.form_factor + link.gradient.as_dvec2().dot(away)).max(0.0) * light;
+            return (link.form_factor + link.gradient.as_dvec2().dot(away)) * light;
         }
         self.reflected_by(receiver, link.source, link.sight)
     }
