@@ -1,14 +1,8 @@
 //! What is counted while a glTF is read: the warnings, and the geometry that it unfolds into.
 
 use super::document::Document;
+use crate::builder::{CORNERS_PER_BYTE, FREE_CORNERS};
 use crate::{FormatError, Warning};
-
-/// Corners that any file may unfold into: some 250 MB of memory at most.
-const FREE_CORNERS: u64 = 4 << 20;
-
-/// Corners that a file may unfold into for each of its bytes. A plain file needs at most one; only nodes that show
-/// one mesh many times, or accessors without data, need more. The limit keeps memory proportional to the input.
-const CORNERS_PER_BYTE: u64 = 16;
 
 /// What a primitive takes in memory and time beside its corners, in corners.
 pub(super) const PRIMITIVE_COST: usize = 32;
