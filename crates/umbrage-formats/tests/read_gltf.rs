@@ -256,7 +256,8 @@ fn the_cap_is_an_option_and_counts_the_default_material_once() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("white room.glb");
     std::fs::write(&path, build.glb()).unwrap();
-    let (scene, warnings) = read_scene_with(&path, &ReadOptions { max_reflectance: 0.5 }).unwrap();
+    let (scene, warnings) =
+        read_scene_with(&path, &ReadOptions { max_reflectance: 0.5, ..ReadOptions::default() }).unwrap();
     assert_eq!(scene.name, "white room");
     assert_eq!(scene.materials.len(), 1);
     assert_eq!(scene.materials.raw[0].reflectance, Rgb::splat(0.5));

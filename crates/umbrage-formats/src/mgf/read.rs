@@ -160,33 +160,38 @@ impl Reader {
                 let line = Line { number: line.number, text: line.text.into_owned().into() };
                 return Ok(Some((source, line)));
             }
-            self.end_of_file();
+            self.end_of_file(&source)?;
         }
         Ok(None)
     }
 
     /// Closes what the innermost file left open, and the file, unless something in it is to be repeated.
-    fn end_of_file(&mut self) {
-        let Some(file) = self.files.last() else { return };
+    fn end_of_file(&mut self, source: &Source) -> Result<(), FormatError> {
+        let Some(file) = self.files.last() else { return Ok(()) };
+        // An array with nothing in it takes time too.
+        self.builder.budget.spend(1, &source.file, || "its end".into())?;
         let (own, outer_objects) = (file.transforms, file.objects);
         if self.transforms.len() > own {
-            self.tally.unclosed += 1;
-            self.close_transform();
-            return;
+            if !self.close_transform() {
+                self.tally.unclosed += 1;
+            }
+            return Ok(());
         }
         // The first line of an include's file is where its own transform begins.
         let has_own = self.files.len() > 1;
         if has_own && self.close_transform() {
-            return;
+            return Ok(());
         }
         self.tally.unclosed += self.objects.len().saturating_sub(outer_objects);
         self.objects.truncate(outer_objects);
         self.files.pop();
+        Ok(())
     }
 
     /// Closes the innermost transform, or goes back to its beginning for the next element of its array: then true.
     fn close_transform(&mut self) -> bool {
         let Some(mut open) = self.transforms.pop() else { return false };
+        self.tally.unclosed += self.objects.len().saturating_sub(open.objects);
         self.objects.truncate(open.objects);
         if !open.transform.advance() {
             return false;
