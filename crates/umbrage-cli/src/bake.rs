@@ -80,6 +80,7 @@ pub(crate) fn write(
     extras.insert("max_form_factor".into(), settings.max_form_factor.into());
     extras.insert("min_area_m2".into(), settings.min_area_m2.into());
     extras.insert("score".into(), settings.score.to_string().into());
+    extras.insert("mend_bad_shapes".into(), settings.mend_bad_shapes.into());
     extras.insert("discontinuities".into(), settings.discontinuities.into());
     let facts = BakeFacts { exposure, residual: bake.report.residual, extras };
     Ok(write_baked_glb(scene, &bake.mesh, &facts, path)?)

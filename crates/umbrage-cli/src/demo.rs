@@ -33,7 +33,7 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> anyhow::Result<()> {
     let settings = BakeSettings::default();
     let bake = bake_scene(&scene, &settings, output).context("cannot bake the Cornell box")?;
     let written = write(&scene, &bake, &settings, None, &glb)?;
-    let meshes = render::read_meshes(&glb)?;
+    let meshes = render::read_meshes(&glb, render::Colors::Seen)?;
     let settings = RenderSettings::default();
     let camera = render::default_camera(&meshes, &settings, Camera::DEFAULT_FOV_DEG)?;
     let picture = umbrage_picture::render(&meshes, &[], &camera, &settings)?.png()?;

@@ -19,7 +19,9 @@ pub(crate) fn listen() -> anyhow::Result<()> {
             process::exit(ExitCode::Interrupted.into());
         }
     })
-    .context("cannot listen for Ctrl-C")
+    .context("cannot listen for Ctrl-C")?;
+    tracing::info!("Ctrl-C cancels");
+    Ok(())
 }
 
 /// Whether Ctrl-C was pressed since [`listen`].

@@ -5,13 +5,12 @@ use umbrage::bake::BakeSettings;
 use umbrage::mesh::SplitScore;
 
 /// How the mesh is refined.
-#[derive(Debug, Default, Args)]
+#[derive(Debug, Args)]
 #[command(next_help_heading = "Method")]
 pub(crate) struct MethodArgs {
-    /// Split patches until the light that one sends to another is less than this share of it [default: 0.05]; a smaller F
-    /// makes a finer mesh
-    #[arg(long, value_name = "F", value_parser = share)]
-    max_form_factor: Option<f64>,
+    /// Split patches until the share of one's light that reaches another is less than this; a smaller F makes a finer mesh
+    #[arg(long, value_name = "F", value_parser = share, default_value_t = BakeSettings::default().max_form_factor)]
+    max_form_factor: f64,
     /// Never split patches smaller than this, in square metres [default: from the size of the scene]
     #[arg(long, value_name = "A", value_parser = positive)]
     min_area: Option<f64>,
@@ -21,6 +20,9 @@ pub(crate) struct MethodArgs {
     /// Do not cut along the edges of shadows: for comparison only
     #[arg(long)]
     no_discontinuities: bool,
+    /// Do not put point split-hints into badly shaped patches: for comparison only
+    #[arg(long)]
+    keep_bad_shapes: bool,
 }
 
 impl MethodArgs {
@@ -28,9 +30,10 @@ impl MethodArgs {
     pub(crate) fn settings(&self) -> BakeSettings {
         let default = BakeSettings::default();
         BakeSettings {
-            max_form_factor: self.max_form_factor.unwrap_or(default.max_form_factor),
+            max_form_factor: self.max_form_factor,
             min_area_m2: self.min_area.or(default.min_area_m2),
             score: self.score,
+            mend_bad_shapes: !self.keep_bad_shapes,
             discontinuities: !self.no_discontinuities,
             ..default
         }
@@ -57,6 +60,8 @@ pub(crate) fn number(text: &str) -> Result<f64, String> {
 
 #[cfg(test)]
 mod tests {
+    use clap::Parser;
+
     use super::*;
 
     #[test]
@@ -66,8 +71,23 @@ mod tests {
         assert!(positive("0").is_err() && positive("-1").is_err() && positive("nan").is_err() && share("1.5").is_err());
     }
 
+    #[derive(Debug, clap::Parser)]
+    struct Command {
+        #[command(flatten)]
+        method: MethodArgs,
+    }
+
     #[test]
     fn no_option_means_the_default() {
-        assert_eq!(format!("{:?}", MethodArgs::default().settings()), format!("{:?}", BakeSettings::default()));
+        let settings = Command::parse_from(["bake"]).method.settings();
+        assert_eq!(format!("{settings:?}"), format!("{:?}", BakeSettings::default()));
+    }
+
+    #[test]
+    fn options_become_settings() {
+        let line = "bake --max-form-factor 0.5 --min-area 2 --score eq1 --no-discontinuities --keep-bad-shapes";
+        let settings = Command::parse_from(line.split(' ')).method.settings();
+        assert_eq!((settings.max_form_factor, settings.min_area_m2, settings.score), (0.5, Some(2.0), SplitScore::Eq1));
+        assert!(!settings.discontinuities && !settings.mend_bad_shapes);
     }
 }

@@ -53,11 +53,12 @@ impl Bar {
         if let Ok(style) = ProgressStyle::with_template(template) {
             self.bar.set_style(style.progress_chars("=> "));
         }
-        self.bar.set_message(update.stage.to_string());
-        self.bar.set_length(update.total);
         if new_stage {
-            self.bar.reset_elapsed();
+            self.bar.reset();
         }
+        self.bar.set_position(update.done);
+        self.bar.set_length(update.total);
+        self.bar.set_message(update.stage.to_string());
     }
 
     /// Removes the bar.

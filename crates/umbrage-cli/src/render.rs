@@ -60,6 +60,9 @@ pub(crate) struct RenderArgs {
     /// Make the picture this many times brighter
     #[arg(long, value_name = "K", value_parser = positive, default_value_t = 1.0)]
     exposure: f64,
+    /// Draw the light alone, as if all surfaces were white
+    #[arg(long)]
+    light_only: bool,
     /// Draw the edges of the triangles
     #[arg(long)]
     wireframe: bool,
@@ -70,7 +73,7 @@ pub(crate) struct RenderArgs {
 }
 
 pub(crate) fn run(args: &RenderArgs, output: Output) -> anyhow::Result<()> {
-    let meshes = read_meshes(&args.baked)?;
+    let meshes = read_meshes(&args.baked, if args.light_only { Colors::Light } else { Colors::Seen })?;
     let settings = RenderSettings {
         width: args.width,
         height: args.height,
@@ -105,14 +108,23 @@ pub(crate) fn run(args: &RenderArgs, output: Output) -> anyhow::Result<()> {
     output.say(&format!("Wrote {} ({})", args.output.display(), summary::bytes(picture.len() as u64)))
 }
 
-/// The parts of a baked file as they are drawn: base colour times light.
-pub(crate) fn read_meshes(path: &Path) -> anyhow::Result<Vec<PictureMesh>> {
-    let file = read_baked(path)?;
-    Ok(file.parts.iter().map(|part| picture_mesh(part, file.origin_m)).collect())
+/// What the colours of a picture are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Colors {
+    /// Base colour times light, as any viewer shows it.
+    Seen,
+    /// The light alone.
+    Light,
 }
 
-fn picture_mesh(part: &BakedFilePart, origin_m: DVec3) -> PictureMesh {
-    let base = part.base_color;
+/// The parts of a baked file as they are drawn.
+pub(crate) fn read_meshes(path: &Path, colors: Colors) -> anyhow::Result<Vec<PictureMesh>> {
+    let file = read_baked(path)?;
+    Ok(file.parts.iter().map(|part| picture_mesh(part, file.origin_m, colors)).collect())
+}
+
+fn picture_mesh(part: &BakedFilePart, origin_m: DVec3, colors: Colors) -> PictureMesh {
+    let base = if colors == Colors::Seen { part.base_color } else { [1.0; 4] };
     PictureMesh {
         positions_m: part.positions_m.iter().map(|p| (origin_m + DVec3::from(p.map(f64::from))).to_array()).collect(),
         colors: part.color.iter().map(|light| std::array::from_fn(|i| base[i] * light[i])).collect(),

@@ -20,6 +20,8 @@ pub(crate) fn summary(report: &Report, written: &Written, elapsed: Duration) -> 
     line("faces", grouped(report.faces));
     line("d-segments", format!("{d0} of degree 0, {d1} of degree 1, {d2} of degree 2"));
     line("patches", grouped(report.patches));
+    let [median, low] = report.compactness;
+    line("compactness", format!("{median:.2} median, {low:.2} at the 5th percentile (of a square: 0.79)"));
     line("links", grouped(report.links));
     line("vertices", grouped(report.vertices));
     line("triangles", grouped(report.triangles));

@@ -32,8 +32,8 @@ pub enum LineColor {
 }
 
 impl LineColor {
-    /// Luminance above which black is easier to see than white: that of a middle grey.
-    const MIDDLE: f32 = 0.18;
+    /// Luminance above which a thin black line is easier to see than a thin white one.
+    const MIDDLE: f32 = 0.4;
 
     /// The colour over `under`.
     pub(crate) fn over(self, under: LinearRgb) -> LinearRgb {

@@ -24,7 +24,7 @@ use crate::mesh::{Mesh, MeshSettings, SplitScore};
 use crate::prepare::{self, PrepareError, PrepareReport, Prepared};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Scene, SceneError};
-use crate::shade::{self, BakedMesh, Irradiance};
+use crate::shade::{self, BakedMesh, Irradiance, ShadeSettings};
 use crate::solve::{self, SolveSettings, Surfaces};
 use crate::transport::{self, FormFactorOracle};
 use crate::visibility::Visibility;
@@ -47,6 +47,8 @@ pub struct BakeSettings {
     pub discontinuities: bool,
     /// When the iteration ends.
     pub solve: SolveSettings,
+    /// How finely light is shown.
+    pub shade: ShadeSettings,
 }
 
 impl Default for BakeSettings {
@@ -58,6 +60,7 @@ impl Default for BakeSettings {
             mend_bad_shapes: true,
             discontinuities: true,
             solve: SolveSettings::default(),
+            shade: ShadeSettings::default(),
         }
     }
 }
@@ -81,6 +84,8 @@ pub struct Report {
     pub vertices: usize,
     /// Triangles of the baked mesh.
     pub triangles: usize,
+    /// Estimated root mean square error of linear interpolation over the mean irradiance.
+    pub error: f64,
     /// Iterations of the solution.
     pub iterations: usize,
     /// Residual of the solution.
@@ -165,14 +170,10 @@ pub fn bake(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> R
     let solution = solve::solve(&mesh, &surfaces, &links, settings.solve, progress)?;
     clock.end_of(Stage::Solve);
 
-    mesh.remove_d0_hints();
-    for patch in mesh.triangulate() {
-        tracing::warn!(?patch, "a patch thinner than rounding is not shown");
-    }
-    check(|| mesh.validate().map_err(|error| error.to_string()));
     let light = Irradiance::new(scene, &prepared, &visibility, &mesh, &links, &solution);
-    let baked = shade::assemble(scene, &prepared, &mesh, |point, patches| light.at(point, patches), progress)?;
-    check(|| baked.validate().map_err(|error| error.to_string()));
+    let shaded = shade::shade(scene, &prepared, &mut mesh, &light, settings.shade, progress)?;
+    check(|| mesh.validate().map_err(|error| error.to_string()));
+    check(|| shaded.mesh.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Shade);
 
     let report = Report {
@@ -182,13 +183,14 @@ pub fn bake(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> R
         patches,
         compactness,
         links: links.len(),
-        vertices: baked.vertex_count(),
-        triangles: baked.triangle_count(),
+        vertices: shaded.mesh.vertex_count(),
+        triangles: shaded.mesh.triangle_count(),
+        error: shaded.error,
         iterations: solution.iterations,
         residual: solution.residual,
         seconds: clock.seconds,
     };
-    Ok(Bake { mesh: baked, report })
+    Ok(Bake { mesh: shaded.mesh, report })
 }
 
 /// A d-segment in the world, for pictures.

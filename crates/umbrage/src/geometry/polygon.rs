@@ -4,6 +4,8 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 
+use super::Plane;
+
 /// Twice the area of a plane polygon times its normal (Newell): robust for any simple polygon, zero for a degenerate
 /// one.
 pub fn doubled_area_vector(corners: &[DVec3]) -> DVec3 {
@@ -40,6 +42,20 @@ pub fn perimeter_m(corners: &[DVec3]) -> f64 {
     (0..corners.len()).map(|i| corners[i].distance(corners[(i + 1) % corners.len()])).sum()
 }
 
+/// Distance of `point` from a convex polygon in `plane`, in metres.
+pub fn distance_m(point: DVec3, corners: &[DVec3], plane: &Plane) -> f64 {
+    let sides = || (0..corners.len()).map(|i| (corners[i], corners[(i + 1) % corners.len()]));
+    if sides().all(|(from, to)| (to - from).cross(point - from).dot(plane.normal) >= 0.0) {
+        return plane.signed_distance_m(point).abs();
+    }
+    let to_side = |(from, to): (DVec3, DVec3)| {
+        let along = to - from;
+        let t = ((point - from).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        point.distance(from + if t.is_nan() { 0.0 } else { t } * along)
+    };
+    sides().map(to_side).fold(f64::INFINITY, f64::min)
+}
+
 /// How well shaped a polygon is: `4 pi A / P^2`, 1 for a circle, pi/4 for a square, towards 0 for a needle.
 pub fn compactness(area_m2: f64, perimeter_m: f64) -> f64 {
     if perimeter_m > 0.0 { 4.0 * PI * area_m2 / (perimeter_m * perimeter_m) } else { 0.0 }
@@ -67,6 +83,14 @@ mod tests {
         assert!((compactness(area_m2(&square), perimeter_m(&square)) - PI / 4.0).abs() < 1e-15);
         let needle = rectangle(20.0, 1.0);
         assert!(compactness(area_m2(&needle), perimeter_m(&needle)) < 0.15);
+    }
+
+    #[test]
+    fn distances_from_a_rectangle() {
+        let (corners, plane) = (rectangle(4.0, 2.0), Plane::through(DVec3::Z * 3.0, DVec3::Z));
+        assert_eq!(distance_m(DVec3::new(1.0, 1.0, 5.0), &corners, &plane), 2.0);
+        assert_eq!(distance_m(DVec3::new(7.0, 1.0, 7.0), &corners, &plane), 5.0);
+        assert_eq!(distance_m(DVec3::new(-3.0, -4.0, 3.0), &corners, &plane), 5.0);
     }
 
     #[test]

@@ -13,6 +13,8 @@ struct EdgeNode {
     ends: [VertexId; 2],
     /// From the first end to the split point, and on to the second end.
     halves: Option<[EdgeId; 2]>,
+    /// The edge at the root of the tree.
+    root: EdgeId,
 }
 
 /// All edge trees of a mesh.
@@ -24,7 +26,8 @@ pub struct EdgeTrees {
 impl EdgeTrees {
     /// A new tree that is one leaf.
     pub(super) fn push(&mut self, ends: [VertexId; 2]) -> EdgeId {
-        self.edges.push_and_get_key(EdgeNode { ends, halves: None })
+        let root = self.edges.next_key();
+        self.edges.push_and_get_key(EdgeNode { ends, halves: None, root })
     }
 
     /// Number of edges, split ones included.
@@ -47,6 +50,11 @@ impl EdgeTrees {
         self.edges[edge].halves
     }
 
+    /// The edge at the root of an edge's tree: one of the prepared faces, or a chord.
+    pub fn root(&self, edge: EdgeId) -> EdgeId {
+        self.edges[edge].root
+    }
+
     /// First vertex of a directed edge.
     pub fn start(&self, edge: DirectedEdge) -> VertexId {
         self.edges[edge.edge].ends[usize::from(edge.reversed)]
@@ -67,8 +75,9 @@ impl EdgeTrees {
     /// Splits a leaf at `point`.
     pub(super) fn split(&mut self, leaf: EdgeId, point: VertexId) {
         assert!(self.edges[leaf].halves.is_none(), "{leaf:?} is already split");
-        let [first, last] = self.edges[leaf].ends;
-        let halves = [self.push([first, point]), self.push([point, last])];
+        let EdgeNode { ends: [first, last], root, .. } = self.edges[leaf];
+        let halves = [[first, point], [point, last]]
+            .map(|ends| self.edges.push_and_get_key(EdgeNode { ends, halves: None, root }));
         self.edges[leaf].halves = Some(halves);
     }
 

@@ -36,6 +36,8 @@ pub struct Mesh {
     /// No edge becomes shorter than this, in metres.
     pub(super) least_edge_m: f64,
     pub(super) vertices_m: Table<VertexId, DVec3>,
+    /// The root of the edge that each vertex split; `None` for those of the prepared faces.
+    split_roots: Table<VertexId, Option<EdgeId>>,
     pub(super) edges: EdgeTrees,
     pub(super) patches: Table<PatchId, Patch>,
     frames: Table<FaceId, PlaneFrame>,
@@ -74,6 +76,7 @@ impl Mesh {
             settings,
             least_edge_m: prepared.tolerance.weld_m(),
             vertices_m: prepared.vertices_m.clone(),
+            split_roots: vec![None; prepared.vertices_m.len()].into(),
             edges,
             patches: Table::with_capacity(prepared.faces.len()),
             frames: prepared.faces.keys().map(|face| prepared.face_frame(face)).collect(),
@@ -127,6 +130,11 @@ impl Mesh {
     /// A vertex, relative to the prepared scene's origin, in metres.
     pub fn vertex_m(&self, vertex: VertexId) -> DVec3 {
         self.vertices_m[vertex]
+    }
+
+    /// The root of the edge that a vertex split; `None` for a vertex of the prepared faces.
+    pub fn split_root(&self, vertex: VertexId) -> Option<EdgeId> {
+        self.split_roots[vertex]
     }
 
     /// Number of vertices.
@@ -213,6 +221,7 @@ impl Mesh {
     /// Splits a leaf edge at `point`, rounded to `f32`; every patch along the edge sees the new vertex from now on.
     pub(super) fn split_edge(&mut self, leaf: EdgeId, point: DVec3) -> VertexId {
         let vertex = self.vertices_m.push_and_get_key(point.as_vec3().as_dvec3());
+        self.split_roots.push(Some(self.edges.root(leaf)));
         self.edges.split(leaf, vertex);
         vertex
     }

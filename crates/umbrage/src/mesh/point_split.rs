@@ -6,42 +6,59 @@
 use glam::DVec2;
 
 use super::Mesh;
-use super::patch::{BoundaryPoint, Cut, on_one_side};
-use super::score::Chord;
+use super::patch::{BoundaryPoint, Cut, sides_of};
+use super::score::{Chord, SplitScore};
 use super::split::TRIANGLE;
 use crate::id::PatchId;
 
 /// A part with less than this share of the patch's area is no part: rounding made it.
 const LEAST_SHARE: f64 = 1e-9;
 
-/// Boundary points of a patch in the frame of its face, and prefix sums for the areas of parts.
+/// A boundary point of an outline: its number in the patch's boundary, its place, and the sides that it lies on.
+#[derive(Clone, Copy, Debug)]
+struct OutlinePoint {
+    number: usize,
+    at_m: DVec2,
+    sides: [usize; 2],
+}
+
+/// Boundary points of a patch, or of a part of one, in the frame of its face.
 struct Outline {
-    points: Vec<BoundaryPoint>,
-    corners_m: Vec<DVec2>,
-    /// `moments[i]`: sum over `k < i` of the cross product of corners `k` and `k + 1`.
+    points: Vec<OutlinePoint>,
+    /// `moments[i]`: sum over `k < i` of the cross product of points `k` and `k + 1`.
     moments: Vec<f64>,
-    side_count: usize,
+    /// Numbers of sides from here on are free.
+    next_side: usize,
 }
 
 impl Outline {
-    fn of(mesh: &Mesh, patch: PatchId) -> Self {
-        let points = mesh.boundary(patch);
+    fn of(mesh: &Mesh, patch: PatchId, boundary: &[BoundaryPoint]) -> Self {
         let frame = mesh.frame(mesh.patch(patch).face);
         let centre = frame.to_2d(mesh.patch(patch).centroid_m);
-        let corners_m: Vec<DVec2> = points.iter().map(|p| frame.to_2d(mesh.vertex_m(p.vertex)) - centre).collect();
+        let side_count = mesh.patch(patch).sides.len();
+        let point = |(number, p): (usize, &BoundaryPoint)| OutlinePoint {
+            number,
+            at_m: frame.to_2d(mesh.vertex_m(p.vertex)) - centre,
+            sides: sides_of(p, side_count),
+        };
+        Self::new(boundary.iter().enumerate().map(point).collect(), side_count)
+    }
+
+    fn new(points: Vec<OutlinePoint>, next_side: usize) -> Self {
         let mut moments = vec![0.0];
-        for (i, corner) in corners_m.iter().enumerate() {
-            moments.push(moments[i] + corner.perp_dot(corners_m[(i + 1) % corners_m.len()]));
+        for (i, point) in points.iter().enumerate() {
+            moments.push(moments[i] + point.at_m.perp_dot(points[(i + 1) % points.len()].at_m));
         }
-        Self { points, corners_m, moments, side_count: mesh.patch(patch).sides.len() }
+        Self { points, moments, next_side }
     }
 
     /// The chord from point `i` to point `j > i`; `None` where both lie on one straight side.
     fn chord(&self, i: usize, j: usize) -> Option<Chord> {
-        if on_one_side(&self.points[i], &self.points[j], self.side_count) {
+        let (from, to) = (&self.points[i], &self.points[j]);
+        if from.sides.iter().any(|side| to.sides.contains(side)) {
             return None;
         }
-        let (p, q) = (self.corners_m[i], self.corners_m[j]);
+        let (p, q) = (from.at_m, to.at_m);
         let whole_m2 = 0.5 * self.moments[self.points.len()];
         let part_m2 = 0.5 * (self.moments[j] - self.moments[i] + q.perp_dot(p));
         let length_m = p.distance(q);
@@ -52,6 +69,37 @@ impl Outline {
         })
     }
 
+    /// The chord with the best score, by the numbers of its ends here. The first of equals wins, so that the choice
+    /// depends on nothing but the outline.
+    fn best_chord(&self, score: SplitScore) -> Option<(usize, usize)> {
+        let scored = self.chords().map(|(i, j, chord)| (score.of(&chord), i, j));
+        scored.reduce(|best, next| if next.0 < best.0 { next } else { best }).map(|(_, i, j)| (i, j))
+    }
+
+    /// The two parts beside a chord.
+    fn parts(&self, i: usize, j: usize) -> [Self; 2] {
+        let chord = self.next_side;
+        let part = |from: usize, to: usize| {
+            let n = self.points.len();
+            let count = (to + n - from) % n + 1;
+            let mut points: Vec<OutlinePoint> = (0..count).map(|k| self.points[(from + k) % n]).collect();
+            // The ends lie on the chord now, and on the one side of their own that is left of the part.
+            let after = self.side_after(from);
+            let before = self.side_after((to + n - 1) % n);
+            points[0].sides = [chord, after];
+            points[count - 1].sides = [before, chord];
+            Self::new(points, chord + 1)
+        };
+        [part(i, j), part(j, i)]
+    }
+
+    /// The side from a point to the next: the one that both lie on.
+    fn side_after(&self, i: usize) -> usize {
+        let next = self.points[(i + 1) % self.points.len()].sides;
+        let own = self.points[i].sides;
+        if next.contains(&own[1]) { own[1] } else { own[0] }
+    }
+
     /// Sine of the lesser angle that a chord in `direction` makes with the boundary at point `i`; angles beyond a right
     /// angle count as right.
     fn least_sine_at(&self, i: usize, direction: DVec2) -> f64 {
@@ -60,7 +108,7 @@ impl Outline {
         [(i + 1) % n, (i + n - 1) % n]
             .into_iter()
             .map(|neighbour| {
-                let along = (self.corners_m[neighbour] - self.corners_m[i]).normalize_or_zero();
+                let along = (self.points[neighbour].at_m - self.points[i].at_m).normalize_or_zero();
                 if along.dot(chord) <= 0.0 { 1.0 } else { along.perp_dot(chord).abs() }
             })
             .fold(1.0, f64::min)
@@ -80,22 +128,32 @@ impl Outline {
 impl Mesh {
     /// Splits a leaf by the chord with the best score. False where no chord leaves two parts with area.
     pub(super) fn point_split(&mut self, patch: PatchId) -> bool {
-        let outline = Outline::of(self, patch);
-        let score = self.settings.score;
-        // The first of equals wins, so that the choice does not depend on anything but the patch.
-        let best = outline
-            .chords()
-            .map(|(i, j, chord)| (score.of(&chord), i, j))
-            .reduce(|best, next| if next.0 < best.0 { next } else { best });
-        let Some((_, i, j)) = best else { return false };
-        self.split_between(patch, &outline.points[i], &outline.points[j], Cut::Points);
+        let boundary = self.boundary(patch);
+        let outline = Outline::of(self, patch, &boundary);
+        let Some((i, j)) = outline.best_chord(self.settings.score) else { return false };
+        self.split_between(patch, &boundary[i], &boundary[j], Cut::Points);
         true
     }
 
     /// The possible splitting edges of a patch (paper, Fig. 3): pairs of boundary points.
     pub fn splitting_edges(&self, patch: PatchId) -> Vec<[BoundaryPoint; 2]> {
-        let outline = Outline::of(self, patch);
-        outline.chords().map(|(i, j, _)| [outline.points[i], outline.points[j]]).collect()
+        let boundary = self.boundary(patch);
+        let outline = Outline::of(self, patch, &boundary);
+        outline.chords().map(|(i, j, _)| [boundary[i], boundary[j]]).collect()
+    }
+
+    /// The triangles that `point_split` would make of a patch, by the numbers of their boundary points in `boundary`.
+    pub fn triangles_of(&self, patch: PatchId, boundary: &[BoundaryPoint]) -> Vec<[usize; 3]> {
+        let mut triangles = Vec::with_capacity(boundary.len().saturating_sub(2));
+        let mut open = vec![Outline::of(self, patch, boundary)];
+        while let Some(outline) = open.pop() {
+            if let [a, b, c] = outline.points[..] {
+                triangles.push([a.number, b.number, c.number]);
+            } else if let Some((i, j)) = outline.best_chord(self.settings.score) {
+                open.extend(outline.parts(i, j));
+            }
+        }
+        triangles
     }
 
     /// Splits every leaf that has more than three boundary points, until all are triangles without a point hint: the
@@ -122,8 +180,8 @@ impl Mesh {
 
 #[cfg(test)]
 mod tests {
+    use super::super::MeshSettings;
     use super::super::sample::{self, first, rectangle};
-    use super::super::{MeshSettings, SplitScore};
     use super::*;
     use crate::discontinuity::Degree;
     use proptest::prelude::*;
@@ -202,6 +260,33 @@ mod tests {
             let parts_points: usize = parts.iter().map(|&part| mesh.boundary(part).len()).sum();
             prop_assert_eq!(parts_points, points + 2);
             prop_assert!(parts.iter().map(|&part| mesh.patch(part).edge_hints().len()).sum::<usize>() <= 2);
+        }
+
+        #[test]
+        fn the_triangles_foretold_are_those_that_are_made(corners in sample::convex(4), hints in 0usize..3) {
+            let mut mesh = sample::mesh(&[corners]);
+            for i in 0..hints {
+                let leaf = mesh.boundary(first())[2 * i].leaf.edge;
+                mesh.split_at_middle(leaf);
+            }
+            let boundary = mesh.boundary(first());
+            let sorted = |mut triangle: [crate::id::VertexId; 3]| {
+                triangle.sort_unstable();
+                triangle
+            };
+            let mut foretold: Vec<_> =
+                mesh.triangles_of(first(), &boundary).iter().map(|t| sorted(t.map(|i| boundary[i].vertex))).collect();
+            mesh.triangulate();
+            let mut made: Vec<_> = mesh
+                .leaves()
+                .map(|leaf| {
+                    let corners = mesh.boundary(leaf);
+                    sorted([corners[0].vertex, corners[1].vertex, corners[2].vertex])
+                })
+                .collect();
+            foretold.sort_unstable();
+            made.sort_unstable();
+            prop_assert_eq!(foretold, made);
         }
 
         #[test]

@@ -196,3 +196,61 @@ fn root(parent: &mut [usize], mut i: usize) -> usize {
     }
     i
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::Small;
+    use super::*;
+
+    /// The arrangement of polygons in one plane whose sides meet in corners only, and its edges.
+    fn arranged(small: &Small) -> (Vec<PlaneEdge>, Arrangement) {
+        let mut edges: Vec<PlaneEdge> = Vec::new();
+        for (polygon, number) in small.soup.iter().zip(0..) {
+            for [a, b] in polygon.sides() {
+                let (ends, pass) = ([a.min(b), a.max(b)], if a < b { 1 } else { -1 });
+                match edges.iter_mut().find(|e| e.ends == ends) {
+                    Some(edge) => edge.passes.push((number, pass)),
+                    None => edges.push(PlaneEdge { ends, passes: [(number, pass)].into_iter().collect() }),
+                }
+            }
+        }
+        let facing = |p: u32| small.planes.of_polygon[p as usize].1;
+        let frame = small.planes.frames[small.planes.of_polygon[0].0];
+        let arrangement = Arrangement::new(&edges, &small.soup, facing, |v| frame.to_2d(small.points[v]));
+        (edges, arrangement)
+    }
+
+    const WALL: &[[f64; 3]] = &[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0]];
+    const PICTURE: &[[f64; 3]] = &[[1.0, 1.0, 0.0], [2.0, 1.0, 0.0], [2.0, 2.0, 0.0], [1.0, 2.0, 0.0]];
+
+    #[test]
+    fn the_smaller_of_two_polygons_wins() {
+        let (edges, arrangement) = arranged(&Small::new(&[PICTURE, WALL]));
+        assert_eq!((arrangement.overlaps, arrangement.missing_edges), (1, 0));
+        for (edge, beside) in edges.iter().zip(&arrangement.beside) {
+            let mut shown: Vec<_> = beside.iter().flatten().flatten().map(|s| s.index()).collect();
+            shown.sort_unstable();
+            assert_eq!(shown, if edge.passes[0].0 == 0 { vec![0, 1] } else { vec![1] });
+        }
+    }
+
+    #[test]
+    fn polygons_back_to_back_show_each_on_its_side() {
+        let back: Vec<[f64; 3]> = PICTURE.iter().rev().copied().collect();
+        let (edges, arrangement) = arranged(&Small::new(&[&back, WALL]));
+        assert_eq!(arrangement.overlaps, 0);
+        for (edge, beside) in edges.iter().zip(&arrangement.beside) {
+            let inner = edge.passes[0].0 == 0;
+            assert_eq!(beside.iter().flatten().flatten().count(), if inner { 3 } else { 1 });
+        }
+    }
+
+    #[test]
+    fn a_hole_shows_nothing() {
+        let ring = [WALL, &[WALL[0]], &[PICTURE[0], PICTURE[3], PICTURE[2], PICTURE[1], PICTURE[0]]].concat();
+        let (_, arrangement) = arranged(&Small::new(&[&ring]));
+        let nothing = arrangement.beside.iter().flatten().filter(|label| **label == [None; 2]).count();
+        // The four sides of the wall and of the hole each have it on one side; the bridge has it on none.
+        assert_eq!(nothing, 8);
+    }
+}

@@ -236,3 +236,62 @@ fn chord(piece: &Piece, heights: &[f64], along: DVec3, points: &Points) -> Optio
     }
     ends
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{Small, TOLERANCE};
+    use super::*;
+
+    const FLOOR: &[[f64; 3]] = &[[0.0, 0.0, 0.0], [0.0, 0.0, 4.0], [4.0, 0.0, 4.0], [4.0, 0.0, 0.0]];
+
+    /// Contacts of polygons, in micrometres.
+    fn contacts_of(polygons: &[&[[f64; 3]]]) -> Vec<[[i64; 3]; 2]> {
+        let mut small = Small::new(polygons);
+        let mut dropped = 0;
+        let found = contacts(&small.soup, &small.planes, &mut small.points, &TOLERANCE, &mut dropped, || Ok(()));
+        assert_eq!(dropped, 0);
+        found.unwrap().iter().map(|c| small.micrometres(c.ends)).collect()
+    }
+
+    fn micro(ends: [[f64; 3]; 2]) -> Vec<[[i64; 3]; 2]> {
+        vec![ends.map(|p| p.map(|x| (x * 1e6).round() as i64))]
+    }
+
+    #[test]
+    fn a_wall_standing_on_a_floor() {
+        let wall = &[[1.0, 0.0, 1.0], [3.0, 0.0, 1.0], [3.0, 2.0, 1.0], [1.0, 2.0, 1.0]];
+        assert_eq!(contacts_of(&[FLOOR, wall]), micro([[1.0, 0.0, 1.0], [3.0, 0.0, 1.0]]));
+    }
+
+    #[test]
+    fn a_wall_reaching_beyond_the_floor() {
+        let wall = &[[-1.0, 0.0, 1.0], [3.0, 0.0, 1.0], [3.0, 2.0, 1.0], [-1.0, 2.0, 1.0]];
+        assert_eq!(contacts_of(&[FLOOR, wall]), micro([[0.0, 0.0, 1.0], [3.0, 0.0, 1.0]]));
+    }
+
+    #[test]
+    fn a_wall_through_a_floor() {
+        let wall = &[[1.0, -1.0, 1.0], [5.0, -1.0, 1.0], [5.0, 2.0, 1.0], [1.0, 2.0, 1.0]];
+        assert_eq!(contacts_of(&[FLOOR, wall]), micro([[1.0, 0.0, 1.0], [4.0, 0.0, 1.0]]));
+    }
+
+    #[test]
+    fn a_wall_over_or_beside_a_floor_does_not_meet_it() {
+        let over = &[[1.0, 0.1, 1.0], [3.0, 0.1, 1.0], [3.0, 2.0, 1.0], [1.0, 2.0, 1.0]];
+        let beside = &[[5.0, 0.0, 1.0], [6.0, 0.0, 1.0], [6.0, 2.0, 1.0], [5.0, 2.0, 1.0]];
+        let tip = &[[1.0, 0.0, 1.0], [3.0, 2.0, 1.0], [1.0, 2.0, 1.0]];
+        assert!(contacts_of(&[FLOOR, over]).is_empty());
+        assert!(contacts_of(&[FLOOR, beside]).is_empty());
+        assert!(contacts_of(&[FLOOR, tip]).is_empty());
+    }
+
+    #[test]
+    fn a_floor_with_a_notch_is_met_outside_the_notch_only() {
+        let notched =
+            &[[0.0, 0.0, 0.0], [0.0, 0.0, 4.0], [1.0, 0.0, 4.0], [1.0, 0.0, 1.0], [4.0, 0.0, 1.0], [4.0, 0.0, 0.0]];
+        let wall = &[[0.5, 0.0, 2.0], [3.0, 0.0, 2.0], [3.0, 2.0, 2.0], [0.5, 2.0, 2.0]];
+        let found = contacts_of(&[notched, wall]);
+        let length = |[a, b]: &[[i64; 3]; 2]| b[0] - a[0];
+        assert_eq!(found.iter().map(length).sum::<i64>(), 500_000);
+    }
+}

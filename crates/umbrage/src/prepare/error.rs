@@ -21,7 +21,7 @@ pub enum PrepareError {
         most_m: f64,
     },
     /// No polygon has an area.
-    #[error("{place}: this polygon has no area, nor has any of the other {others}: nothing can be baked")]
+    #[error("{place}: there is no area, nor in any of the other {others} polygons: nothing can be baked")]
     NoArea {
         /// The first polygon.
         place: String,

@@ -9,7 +9,8 @@
 //! 6. `arrangement`: the cells of each plane, and the surface that each shows to either side.
 //! 7. `needed`: only edges where something changes stay; so triangles become polygons again.
 //! 8. `convex`: cells fall into few, well-shaped convex pieces.
-//! 9. `assemble`: pieces become faces, in an order that depends on the scene only.
+//! 9. `diagonal`: borders between pieces are cut where other planes' vertices touch them.
+//! 10. `assemble`: pieces become faces, in an order that depends on the scene only.
 
 mod arrangement;
 mod assemble;
@@ -17,14 +18,18 @@ mod contact;
 mod convex;
 mod coplanar;
 mod crossing;
+mod diagonal;
 mod error;
 mod face;
+mod merge;
 mod near;
 mod needed;
 mod node;
 mod sides;
 mod soup;
 mod stages;
+#[cfg(test)]
+mod testing;
 mod triangulation;
 mod weld;
 

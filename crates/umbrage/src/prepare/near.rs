@@ -1,7 +1,26 @@
 //! A search of an R-tree for what lies near a segment: a long slanted one does not look through its whole box.
 
 use glam::DVec3;
-use rstar::{AABB, SelectionFunction};
+use rstar::primitives::GeomWithData;
+use rstar::{AABB, RTree, SelectionFunction};
+
+use super::sides::distance_to_segment_m;
+use crate::id::VertexId;
+
+/// A point in a tree.
+pub(super) type PlacedPoint = GeomWithData<[f64; 3], VertexId>;
+
+/// The points of a tree nearer than `reach_m` to the segment between two points, its ends included; in order along it.
+pub(super) fn points_within(tree: &RTree<PlacedPoint>, [from, to]: [DVec3; 2], reach_m: f64) -> Vec<VertexId> {
+    let mut found: Vec<(f64, VertexId)> = tree
+        .locate_with_selection_function(NearSegment::new([from, to], reach_m))
+        .map(|point| (DVec3::from(*point.geom()), point.data))
+        .filter(|&(p, _)| distance_to_segment_m(p, from, to) < reach_m)
+        .map(|(p, v)| ((p - from).dot(to - from), v))
+        .collect();
+    found.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
+    found.into_iter().map(|(_, v)| v).collect()
+}
 
 /// Selects boxes that touch a segment thickened by a reach.
 pub(super) struct NearSegment {
@@ -49,7 +68,6 @@ impl<T: rstar::RTreeObject<Envelope = AABB<[f64; 3]>>> SelectionFunction<T> for 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rstar::RTree;
 
     #[test]
     fn a_diagonal_finds_what_is_near_it_only() {

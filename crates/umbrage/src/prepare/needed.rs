@@ -161,3 +161,69 @@ impl Chains<'_> {
         (arriving.uses == self.edges[next].starting_at(vertex).uses).then_some(next)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::TOLERANCE;
+    use super::*;
+    use crate::id::SurfaceId;
+
+    fn edge(ends: [usize; 2], beside: [Label; 2]) -> NeededEdge {
+        let one = Use { plane: PlaneId::from(0), beside };
+        NeededEdge { ends: ends.map(VertexId::from), uses: [one].into_iter().collect() }
+    }
+
+    fn points(at: &[[f64; 2]]) -> Points {
+        let mut points = Points::new(TOLERANCE.weld_m());
+        at.iter().for_each(|&[x, y]| {
+            points.weld(DVec3::new(x, y, 0.0));
+        });
+        points
+    }
+
+    fn white() -> Label {
+        [Some(SurfaceId::from(0)), None]
+    }
+
+    fn border() -> [Label; 2] {
+        [white(), [None; 2]]
+    }
+
+    #[test]
+    fn a_loop_keeps_its_corners_only() {
+        // A square with two vertices on each side; the loop starts in the middle of one.
+        let at: Vec<[f64; 2]> = (0..12)
+            .map(|i| (i + 1) % 12)
+            .map(|i| match i / 3 {
+                0 => [f64::from(i), 0.0],
+                1 => [3.0, f64::from(i - 3)],
+                2 => [f64::from(9 - i), 3.0],
+                _ => [0.0, f64::from(12 - i)],
+            })
+            .collect();
+        let edges: Vec<_> = (0..12).map(|i| edge([i, (i + 1) % 12], border())).collect();
+        assert_eq!(straighten(&edges, &points(&at), &TOLERANCE).len(), 4);
+    }
+
+    #[test]
+    fn a_vertex_with_another_surface_beside_it_stays() {
+        let at = points(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.0, 1.0]]);
+        let other = [[None, white()[0]], [None; 2]];
+        let same = [edge([0, 1], border()), edge([2, 1], [border()[1], border()[0]])];
+        assert_eq!(straighten(&same, &at, &TOLERANCE).len(), 1);
+        let differs = [edge([0, 1], border()), edge([1, 2], other)];
+        assert_eq!(straighten(&differs, &at, &TOLERANCE).len(), 2);
+        let three = [edge([0, 1], border()), edge([1, 2], border()), edge([1, 3], border())];
+        assert_eq!(straighten(&three, &at, &TOLERANCE).len(), 3);
+    }
+
+    #[test]
+    fn an_edge_inside_a_surface_is_not_needed() {
+        assert!(!edge([0, 1], [white(), white()]).is_needed());
+        assert!(edge([0, 1], border()).is_needed());
+        let mut contact = edge([0, 1], [white(), white()]);
+        assert!(!contact.is_contact());
+        contact.uses.push(Use { plane: PlaneId::from(1), beside: border() });
+        assert!(contact.is_needed() && contact.is_contact());
+    }
+}

@@ -20,8 +20,7 @@ use smallvec::SmallVec;
 
 use super::coplanar::Planes;
 use super::crossing::crossing;
-use super::near::NearSegment;
-use super::sides::distance_to_segment_m;
+use super::near::{NearSegment, PlacedPoint, points_within};
 use super::weld::Points;
 use crate::geometry::Tolerance;
 use crate::id::{PlaneId, VertexId};
@@ -55,6 +54,8 @@ pub(super) struct Segments {
     /// Edges that came since the last look at points, and at crossings.
     fresh: Vec<usize>,
     uncrossed: Vec<usize>,
+    /// Which points were the end of an edge at the last look at points.
+    used: Vec<bool>,
 }
 
 impl Segments {
@@ -110,32 +111,57 @@ impl Segments {
                 self.cut_at_points(planes, points, tolerance);
                 pulse()?;
             }
-            let known = points.len();
             let crossings = self.cut_at_crossings(planes, points, tolerance);
             pulse()?;
             if crossings == 0 {
                 return Ok(0);
             }
-            if points.len() > known {
-                self.fresh = (0..self.all.len()).filter(|&i| self.all[i].is_whole()).collect();
-            }
         }
         Ok(self.fresh.len())
     }
 
-    /// Cuts the fresh edges at the points that lie on them.
+    /// Cuts fresh edges at the points that lie on them, and all others at points that are newly in use.
     fn cut_at_points(&mut self, planes: &Planes, points: &Points, tolerance: &Tolerance) {
-        let fresh: Vec<usize> =
-            std::mem::take(&mut self.fresh).into_iter().filter(|&i| self.all[i].is_whole()).collect();
+        let mut is_fresh = vec![false; self.all.len()];
+        std::mem::take(&mut self.fresh).into_iter().for_each(|i| is_fresh[i] = true);
         let mut used: Vec<VertexId> = self.all.iter().filter(|s| s.is_whole()).flat_map(|s| s.ends).collect();
         used.sort_unstable();
         used.dedup();
-        let tree = RTree::bulk_load(used.iter().map(|&v| GeomWithData::new(points[v].to_array(), v)).collect());
-        let cuts: Vec<Vec<VertexId>> =
-            fresh.par_iter().map(|&i| points_on(&self.all[i], &tree, planes, points, tolerance)).collect();
-        for (i, nodes) in fresh.into_iter().zip(cuts) {
+        self.used.resize(points.len(), false);
+        let new: Vec<VertexId> = used.iter().copied().filter(|v| !self.used[v.index()]).collect();
+        new.iter().for_each(|v| self.used[v.index()] = true);
+        let tree_of = |vertices: &[VertexId]| -> RTree<PlacedPoint> {
+            RTree::bulk_load(vertices.iter().map(|&v| PlacedPoint::new(points[v].to_array(), v)).collect())
+        };
+        let (all_points, new_points) = (tree_of(&used), tree_of(&new));
+        let look_at: Vec<usize> =
+            (0..self.all.len()).filter(|&i| self.all[i].is_whole() && (is_fresh[i] || !new.is_empty())).collect();
+        let on = |&i: &usize| {
+            let tree = if is_fresh[i] { &all_points } else { &new_points };
+            self.points_on(i, tree, planes, points, tolerance)
+        };
+        let cuts: Vec<Vec<VertexId>> = look_at.par_iter().map(on).collect();
+        for (i, nodes) in look_at.into_iter().zip(cuts) {
             self.cut_one(i, &nodes, points);
         }
+    }
+
+    /// The points within the weld distance of an edge and of all its planes, but for its ends.
+    fn points_on(
+        &self,
+        number: usize,
+        tree: &RTree<PlacedPoint>,
+        planes: &Planes,
+        points: &Points,
+        tolerance: &Tolerance,
+    ) -> Vec<VertexId> {
+        let segment = &self.all[number];
+        let in_plane = |v: VertexId, plane: PlaneId| {
+            planes.frames[plane].plane.signed_distance_m(points[v]).abs() <= tolerance.weld_m()
+        };
+        let mut found = points_within(tree, segment.ends.map(|v| points[v]), tolerance.weld_m());
+        found.retain(|&v| !segment.ends.contains(&v) && segment.planes.iter().all(|&plane| in_plane(v, plane)));
+        found
     }
 
     /// Cuts edges where they cross; returns how many cuts there were.
@@ -147,11 +173,8 @@ impl Segments {
             GeomWithData::new(Rectangle::from_corners(a.min(b).to_array(), a.max(b).to_array()), i)
         });
         let tree = RTree::bulk_load(boxes.collect());
-        let is_new: Vec<bool> = {
-            let mut flags = vec![false; self.all.len()];
-            new.iter().for_each(|&i| flags[i] = true);
-            flags
-        };
+        let mut is_new = vec![false; self.all.len()];
+        new.iter().for_each(|&i| is_new[i] = true);
         let found: Vec<Vec<(usize, DVec3)>> = new
             .par_iter()
             .map(|&i| {
@@ -212,25 +235,67 @@ fn children(segment: &Segment) -> SmallVec<[[VertexId; 2]; 4]> {
     stops.windows(2).map(|w| [w[0], w[1]]).collect()
 }
 
-/// The points within the weld distance of an edge and of all its planes, but for its ends.
-fn points_on(
-    segment: &Segment,
-    tree: &RTree<GeomWithData<[f64; 3], VertexId>>,
-    planes: &Planes,
-    points: &Points,
-    tolerance: &Tolerance,
-) -> Vec<VertexId> {
-    let [a, b] = segment.ends.map(|v| points[v]);
-    let near = NearSegment::new([a, b], tolerance.weld_m());
-    let lies_on = |&v: &VertexId| {
-        let p = points[v];
-        let in_plane = |id: &PlaneId| planes.frames[*id].plane.signed_distance_m(p).abs() <= tolerance.weld_m();
-        !segment.ends.contains(&v)
-            && distance_to_segment_m(p, a, b) < tolerance.weld_m()
-            && segment.planes.iter().all(in_plane)
-    };
-    let mut found: Vec<VertexId> =
-        tree.locate_with_selection_function(near).map(|point| point.data).filter(lies_on).collect();
-    found.sort_unstable();
-    found
+#[cfg(test)]
+mod tests {
+    use super::super::soup::Polygon;
+    use super::super::testing::{Small, TOLERANCE};
+    use super::*;
+
+    /// Cuts the sides of polygons; returns the pieces of each side in micrometres.
+    fn pieces_of(polygons: &[&[[f64; 3]]]) -> Vec<Vec<[[i64; 3]; 2]>> {
+        let mut small = Small::new(polygons);
+        let mut segments = Segments::default();
+        for (polygon, &(plane, _)) in small.soup.iter().zip(&small.planes.of_polygon) {
+            polygon.sides().for_each(|ends| segments.add(ends, &[plane]));
+        }
+        assert_eq!(segments.cut(&small.planes, &mut small.points, &TOLERANCE, || Ok(())), Ok(0));
+        let sides: Vec<_> = small.soup.iter().flat_map(Polygon::sides).collect();
+        let mut all = Vec::new();
+        for side in sides {
+            let mut pieces = Vec::new();
+            segments.pieces(side, &mut pieces);
+            assert_eq!((pieces[0][0], pieces[pieces.len() - 1][1]), (side[0], side[1]));
+            assert!(pieces.windows(2).all(|w| w[0][1] == w[1][0]));
+            all.push(pieces.into_iter().map(|piece| small.micrometres(piece)).collect());
+        }
+        all
+    }
+
+    #[test]
+    fn sides_that_overlap_have_common_pieces() {
+        let long = &[[0.0, 0.0, 0.0], [6.0, 0.0, 0.0], [0.0, 5.0, 0.0]];
+        let short = &[[4.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 0.0, 3.0]];
+        let pieces = pieces_of(&[long, short]);
+        assert_eq!(pieces[0].len(), 3);
+        assert_eq!(pieces[3], [pieces[0][1]]);
+    }
+
+    #[test]
+    fn crossing_sides_of_one_plane_are_cut_at_one_point() {
+        let one = &[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let other = &[[1.0, -2.0, 0.0], [2.0, -2.0, 0.0], [2.0, 3.0, 0.0], [1.0, 3.0, 0.0]];
+        let pieces = pieces_of(&[one, other]);
+        assert_eq!(pieces.iter().map(Vec::len).collect::<Vec<_>>(), [3, 1, 3, 1, 1, 3, 1, 3]);
+        assert_eq!(pieces[0][1], [[1_000_000, 0, 0], [2_000_000, 0, 0]]);
+    }
+
+    #[test]
+    fn sides_that_cross_in_space_are_cut() {
+        let level = &[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [2.0, 3.0, 0.0]];
+        let upright = &[[2.0, 0.0, -1.0], [2.0, 0.0, 1.0], [2.0, -3.0, 0.0]];
+        let pieces = pieces_of(&[level, upright]);
+        assert_eq!((pieces[0].len(), pieces[3].len()), (2, 2));
+    }
+
+    #[test]
+    fn a_crossing_at_a_known_point_cuts_what_passes_through_it() {
+        // Six sides through one point, which no polygon has as a corner.
+        let fan: Vec<[[f64; 3]; 3]> = (0..6)
+            .map(|i| f64::from(i) * 0.5)
+            .map(|a| [[-3.0 * a.cos(), -3.0 * a.sin(), 0.0], [3.0 * a.cos(), 3.0 * a.sin(), 0.0], [0.0, 0.0, 4.0 + a]])
+            .collect();
+        let polygons: Vec<&[[f64; 3]]> = fan.iter().map(|t| &t[..]).collect();
+        let pieces = pieces_of(&polygons);
+        assert!((0..6).all(|i| pieces[3 * i].len() == 2));
+    }
 }

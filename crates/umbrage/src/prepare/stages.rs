@@ -11,6 +11,7 @@ use super::assemble::{self, PlacedPiece};
 use super::contact::{self, Contact};
 use super::convex;
 use super::coplanar::{self, Planes};
+use super::diagonal;
 use super::needed::{self, NeededEdge, Use};
 use super::node::Segments;
 use super::sides;
@@ -35,6 +36,9 @@ pub fn prepare(scene: &Scene, progress: Progress<'_>) -> Result<Prepared, Prepar
     let pulse = |step: usize| progress.report(Stage::Prepare, step, STEPS);
     pulse(0)?;
     let mut report = PrepareReport::default();
+    if scene.polygon_count() == 0 {
+        return Err(no_area(scene));
+    }
     let frame = Frame::of_scene(scene)?;
     let tolerance = frame.tolerance;
     let mut points = Points::new(tolerance.weld_m());
@@ -62,7 +66,8 @@ pub fn prepare(scene: &Scene, progress: Progress<'_>) -> Result<Prepared, Prepar
     let edges = needed::straighten(&edges, &points, &tolerance);
     report.contact_edges = edges.iter().filter(|e| e.is_contact()).count();
     pulse(5)?;
-    let pieces = convex_pieces(&edges, &planes, &points, &tolerance, &mut report, || pulse(5))?;
+    let mut pieces = convex_pieces(&edges, &planes, &points, &tolerance, &mut report, || pulse(5))?;
+    diagonal::cut(&mut pieces, &edges, &points, &tolerance);
     pulse(6)?;
     let prepared = assemble::assemble(scene, &frame, &planes, &points, pieces, report);
     pulse(STEPS)?;
@@ -71,7 +76,7 @@ pub fn prepare(scene: &Scene, progress: Progress<'_>) -> Result<Prepared, Prepar
 
 fn no_area(scene: &Scene) -> PrepareError {
     let first = scene.surfaces.iter_enumerated().find(|(_, s)| !s.polygons.is_empty()).map(|(id, _)| id);
-    let place = first.map_or_else(String::new, |id: SurfaceId| scene.place(id, 0));
+    let place = first.map_or_else(|| "the scene".to_owned(), |id: SurfaceId| scene.place(id, 0));
     PrepareError::NoArea { place, others: scene.polygon_count().saturating_sub(1) }
 }
 

@@ -6,8 +6,9 @@
 use rayon::prelude::*;
 
 use super::corner_group::{self, CornerGroup, Triangle};
+use super::field::Field;
 use super::{BakedMesh, BakedPart};
-use crate::id::{PatchId, SurfaceId, Table};
+use crate::id::{SurfaceId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress, Stage};
@@ -17,16 +18,15 @@ use crate::visibility::ReceiverPoint;
 /// Groups evaluated between two reports of progress.
 const GROUPS_A_REPORT: usize = 256;
 
-/// Evaluates `irradiance(point, patches)` once for each group of corners, and assembles the triangles; `patches` are
-/// the triangles around the point that share the value.
+/// Evaluates the irradiance once for each group of corners, and assembles the triangles.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.
-pub fn assemble(
+pub(super) fn assemble(
     scene: &Scene,
     prepared: &Prepared,
     mesh: &Mesh,
-    irradiance: impl Fn(&ReceiverPoint, &[PatchId]) -> Rgb + Sync,
+    irradiance: &impl Field,
     progress: Progress<'_>,
 ) -> Result<BakedMesh, Cancelled> {
     let triangles = corner_group::triangles(mesh);
@@ -38,13 +38,12 @@ pub fn assemble(
             if number.is_multiple_of(GROUPS_A_REPORT) {
                 progress.report(Stage::Shade, number, groups.len())?;
             }
-            let patches: Vec<PatchId> = group.triangles.iter().map(|&number| triangles[number].patch).collect();
             let point = ReceiverPoint {
                 position_m: group.at_m,
                 normal: prepared.normal(group.face),
                 plane: prepared.faces[group.face].plane,
             };
-            Ok(irradiance(&point, &patches))
+            Ok(irradiance.at(mesh, &point, triangles[group.first_triangle].patch))
         })
         .collect::<Result<Vec<Rgb>, Cancelled>>()?;
     Ok(parts(scene, prepared, mesh, &triangles, &groups, &group_of, &values))

@@ -33,8 +33,8 @@ pub(super) struct CornerGroup {
     pub(super) vertex: VertexId,
     /// A face that the corners lie on: the others are coplanar with it and look the same way.
     pub(super) face: FaceId,
-    /// The triangles, by their numbers, ascending.
-    pub(super) triangles: Vec<usize>,
+    /// The first of its triangles.
+    pub(super) first_triangle: usize,
     /// Where to evaluate the irradiance: inside the corners, and at the vertex itself only where they surround it.
     pub(super) at_m: DVec3,
 }
@@ -55,19 +55,6 @@ pub(super) fn triangles(mesh: &Mesh) -> Vec<Triangle> {
         .collect()
 }
 
-/// For each edge the prepared edge that it is part of; `None` for those that splits made.
-fn prepared_roots(prepared: &Prepared, mesh: &Mesh) -> Table<EdgeId, Option<EdgeId>> {
-    let mut roots: Table<EdgeId, Option<EdgeId>> = vec![None; mesh.edges().len()].into();
-    for root in prepared.edges.keys() {
-        let mut open = vec![root];
-        while let Some(edge) = open.pop() {
-            roots[edge] = Some(root);
-            open.extend(mesh.edges().halves(edge).into_iter().flatten());
-        }
-    }
-    roots
-}
-
 /// Groups the corners of all triangles. Returns the groups, in the order of their first corners, and for each triangle
 /// the groups of its three corners.
 pub(super) fn corner_groups(
@@ -75,13 +62,13 @@ pub(super) fn corner_groups(
     mesh: &Mesh,
     triangles: &[Triangle],
 ) -> (Vec<CornerGroup>, Vec<[usize; 3]>) {
-    let roots = prepared_roots(prepared, mesh);
     let mut links = DisjointSets::new(3 * triangles.len());
     let mut at_contact = vec![false; 3 * triangles.len()];
     let mut along: Table<EdgeId, Vec<(usize, usize)>> = vec![Vec::new(); mesh.edges().len()].into();
     for (number, triangle) in triangles.iter().enumerate() {
         for (i, &edge) in triangle.edges.iter().enumerate() {
-            let contact = roots[edge].is_some_and(|root| is_contact(prepared, root, triangle.face));
+            let root = mesh.edges().root(edge);
+            let contact = root.index() < prepared.edges.len() && is_contact(prepared, root, triangle.face);
             if contact {
                 at_contact[3 * number + i] = true;
                 at_contact[3 * number + (i + 1) % 3] = true;
@@ -166,9 +153,7 @@ fn group(prepared: &Prepared, mesh: &Mesh, triangles: &[Triangle], corners: &[us
         reach_m = reach_m.min(INSIDE * height_m);
     }
     let inside_m = if surrounded { at_m } else { at_m + reach_m * bisector.normalize_or_zero() };
-    let mut numbers: Vec<usize> = corners.iter().map(|corner| corner / 3).collect();
-    numbers.sort_unstable();
-    CornerGroup { vertex, face: first.face, triangles: numbers, at_m: inside_m }
+    CornerGroup { vertex, face: first.face, first_triangle: corners[0] / 3, at_m: inside_m }
 }
 
 /// Disjoint sets whose representative is the least member.

@@ -3,8 +3,13 @@
 mod assemble;
 mod baked_mesh;
 mod corner_group;
+mod field;
+mod interpolated;
 mod irradiance;
+mod refine;
+#[expect(clippy::module_inception, reason = "the module's main function is named like the module")]
+mod shade;
 
-pub use assemble::assemble;
 pub use baked_mesh::{BakedMesh, BakedMeshError, BakedPart};
 pub use irradiance::Irradiance;
+pub use shade::{ShadeSettings, Shaded, shade};

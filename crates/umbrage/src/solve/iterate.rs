@@ -4,7 +4,7 @@
 //! What is still missing is at most the residual times `rho / (1 - rho)`. Sums run over leaves in the order of their
 //! numbers: the same bits come out whatever the number of threads.
 
-use super::gather::gather;
+use super::gather::{LinearIrradiance, RadiosityMoments, gather};
 use super::push_pull::{Surfaces, push_pull};
 use crate::id::{PatchId, Table};
 use crate::mesh::Mesh;
@@ -83,27 +83,118 @@ pub fn solve(
     settings: SolveSettings,
     progress: Progress<'_>,
 ) -> Result<Solution, Cancelled> {
-    let nothing = Table::from(vec![Rgb::ZERO; mesh.patch_count()]);
-    let (irradiance, radiosity) = push_pull(mesh, surfaces, nothing);
-    let mut solution = Solution { radiosity, irradiance, residual: 1.0, iterations: 0 };
-    while solution.residual > settings.max_residual && solution.iterations < settings.max_iterations {
-        progress.report(Stage::Solve, solution.iterations, 0)?;
-        let (irradiance, radiosity) = push_pull(mesh, surfaces, gather(links, &solution.radiosity));
-        solution.residual = relative_change(mesh, &solution.radiosity, &radiosity);
-        (solution.irradiance, solution.radiosity) = (irradiance, radiosity);
-        solution.iterations += 1;
+    let nothing = Table::from(vec![LinearIrradiance::default(); mesh.patch_count()]);
+    let (mut irradiance, mut radiosity) = push_pull(mesh, surfaces, nothing);
+    let (mut residual, mut iterations) = (1.0, 0);
+    while residual > settings.max_residual && iterations < settings.max_iterations {
+        progress.report(Stage::Solve, iterations, 0)?;
+        let bounced = push_pull(mesh, surfaces, gather(links, &radiosity));
+        residual = relative_change(mesh, &radiosity, &bounced.1);
+        (irradiance, radiosity) = bounced;
+        iterations += 1;
     }
+    let radiosity = radiosity.iter().map(|node| node.mean).collect();
+    let solution = Solution { radiosity, irradiance, residual, iterations };
     tracing::debug!(iterations = solution.iterations, residual = solution.residual, "solved");
     Ok(solution)
 }
 
 /// Area mean of the change of radiosity over the area mean of radiosity, in the worst channel.
-fn relative_change(mesh: &Mesh, before: &Table<PatchId, Rgb>, after: &Table<PatchId, Rgb>) -> f64 {
+fn relative_change(
+    mesh: &Mesh,
+    before: &Table<PatchId, RadiosityMoments>,
+    after: &Table<PatchId, RadiosityMoments>,
+) -> f64 {
     let (mut change, mut light) = (Rgb::ZERO, Rgb::ZERO);
     for leaf in mesh.leaves() {
         let area_m2 = mesh.patch(leaf).area_m2;
-        change += area_m2 * (after[leaf] - before[leaf]).abs();
-        light += area_m2 * after[leaf];
+        change += area_m2 * (after[leaf].mean - before[leaf].mean).abs();
+        light += area_m2 * after[leaf].mean;
     }
     (0..3).filter(|&channel| light[channel] > 0.0).map(|channel| change[channel] / light[channel]).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::MeshSettings;
+    use crate::prepare::Prepared;
+    use crate::scene::{Material, Scene};
+    use crate::transport::{FormFactorOracle, link_all};
+    use crate::visibility::{Visibility, fixture};
+    use glam::DVec3;
+
+    fn solved(scene: &Scene, prepared: &Prepared, f_max: f64, settings: SolveSettings) -> (Mesh, Solution) {
+        let mut mesh = Mesh::new(prepared, &Table::new(), MeshSettings::default());
+        let coplanar_m = prepared.tolerance.coplanar_m();
+        let oracle = FormFactorOracle { max_form_factor: f_max, min_area_m2: 0.002, coplanar_m };
+        let index = Visibility::new(prepared);
+        let links = link_all(prepared, &index, &mut mesh, &oracle, Progress::silent()).unwrap();
+        let surfaces = Surfaces::new(scene, prepared, &mesh);
+        let solution = solve(&mesh, &surfaces, &links, settings, Progress::silent()).unwrap();
+        solution.validate().unwrap();
+        (mesh, solution)
+    }
+
+    fn mean_over_leaves(mesh: &Mesh, value: impl Fn(PatchId) -> f64) -> f64 {
+        let area = |leaf: PatchId| mesh.patch(leaf).area_m2;
+        mesh.leaves().map(|leaf| area(leaf) * value(leaf)).sum::<f64>() / mesh.leaves().map(area).sum::<f64>()
+    }
+
+    fn glowing(reflectance: f64) -> Material {
+        let radiance = Rgb::ONE / std::f64::consts::PI;
+        Material { reflectance: Rgb::splat(reflectance), ..Material::emitting("glow", radiance) }
+    }
+
+    #[test]
+    fn a_furnace_has_radiosity_two_everywhere() {
+        let prepared = fixture::prepared(&fixture::inward_box(DVec3::ZERO, DVec3::ONE));
+        let scene = fixture::scene(vec![glowing(0.5)]);
+        let (mesh, solution) =
+            solved(&scene, &prepared, 0.02, SolveSettings { max_residual: 1e-7, max_iterations: 99 });
+        let mean = mean_over_leaves(&mesh, |leaf| solution.radiosity[leaf].x);
+        assert!((mean - 2.0).abs() < 1e-3, "area mean {mean}");
+        let rms = mean_over_leaves(&mesh, |leaf| (solution.radiosity[leaf].x - 2.0).powi(2)).sqrt() / 2.0;
+        assert!(rms < 0.02, "rms {rms}");
+    }
+
+    #[test]
+    fn what_is_emitted_is_absorbed() {
+        let walls = fixture::inward_box(DVec3::ZERO, DVec3::new(1.0, 1.0, 2.0));
+        let polygons: Vec<_> = walls.into_iter().enumerate().map(|(i, wall)| (wall, usize::from(i == 1))).collect();
+        let prepared = fixture::prepared_of_materials(&polygons);
+        let grey = Material::diffuse("grey", Rgb::new(0.7, 0.5, 0.2));
+        let scene = fixture::scene(vec![grey, Material::emitting("lamp", Rgb::ONE)]);
+        let (mesh, solution) =
+            solved(&scene, &prepared, 0.02, SolveSettings { max_residual: 1e-7, max_iterations: 99 });
+        let surfaces = Surfaces::new(&scene, &prepared, &mesh);
+        for channel in 0..3 {
+            let emitted = mean_over_leaves(&mesh, |leaf| surfaces.exitance[leaf][channel]);
+            let absorbed = mean_over_leaves(&mesh, |leaf| {
+                (1.0 - surfaces.reflectance[leaf][channel]) * solution.irradiance[leaf][channel]
+            });
+            assert!((absorbed / emitted - 1.0).abs() < 5e-3, "{absorbed} of {emitted} in channel {channel}");
+        }
+    }
+
+    #[test]
+    fn the_residual_is_reached_and_told() {
+        let prepared = fixture::prepared(&fixture::inward_box(DVec3::ZERO, DVec3::ONE));
+        let scene = fixture::scene(vec![glowing(0.5)]);
+        let (_, solution) = solved(&scene, &prepared, 1.0, SolveSettings::default());
+        assert!(solution.residual <= 1e-4 && solution.iterations > 5);
+        let (_, early) = solved(&scene, &prepared, 1.0, SolveSettings { max_iterations: 3, ..Default::default() });
+        assert!(early.residual > 1e-4 && early.iterations == 3);
+    }
+
+    #[test]
+    fn the_number_of_threads_does_not_matter() {
+        let prepared = fixture::prepared(&fixture::inward_box(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)));
+        let scene = fixture::scene(vec![glowing(0.8)]);
+        let of_threads = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| solved(&scene, &prepared, 0.1, SolveSettings::default()).1)
+        };
+        assert_eq!(of_threads(1), of_threads(2));
+    }
 }

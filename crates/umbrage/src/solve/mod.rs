@@ -8,6 +8,6 @@ mod gather;
 mod iterate;
 mod push_pull;
 
-pub use gather::gather;
+pub use gather::{LinearIrradiance, RadiosityMoments, gather};
 pub use iterate::{Solution, SolutionError, SolveSettings, solve};
 pub use push_pull::{Surfaces, push_pull};

@@ -79,6 +79,8 @@ pub fn disc_estimate(receiver: &Disc, source: &Disc) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::id::FaceId;
+    use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility, fixture};
     use proptest::prelude::*;
 
     /// A unit square over the origin's first quadrant, at height `z`, looking down.
@@ -160,6 +162,28 @@ mod tests {
             });
             assert_close(mean, truth, 2e-5);
         }
+    }
+
+    /// The mean factor between parallel unit squares at distance 1, with a rectangle between them at height `z`.
+    fn mean_past_blocker(x: [f64; 2], y: [f64; 2], z: f64) -> f64 {
+        let floor: Vec<DVec3> = square_above(0.0).into_iter().rev().collect();
+        let blocker = [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])].map(|(x, y)| DVec3::new(x, y, z));
+        let prepared = fixture::prepared(&[floor, blocker.to_vec(), square_above(1.0)]);
+        let index = Visibility::new(&prepared);
+        let source = SourcePolygon::of_face(&prepared, FaceId::from(2));
+        mean_over_unit_square(12, |x, y| {
+            let receiver = ReceiverPoint::on_face(&prepared, FaceId::from(0), DVec3::new(x, y, 0.0));
+            point_to_visible_part(receiver.position_m, receiver.normal, &index.visible_part(&receiver, &source))
+        })
+    }
+
+    #[test]
+    fn shapiros_blocker_and_three_blockers_half_way() {
+        assert_close(mean_past_blocker([0.25, 0.75], [0.25, 0.75], 0.75), 0.1156206021, 1e-6);
+        assert_close(mean_past_blocker([0.25, 0.75], [0.25, 0.75], 0.25), 0.1156206021, 1e-6);
+        assert_close(mean_past_blocker([0.25, 0.75], [0.25, 0.75], 0.5), 0.0995062946, 1e-6);
+        assert_close(mean_past_blocker([0.0, 0.5], [0.0, 0.5], 0.5), 0.1498686718, 1e-6);
+        assert_close(mean_past_blocker([0.0, 0.5], [0.0, 1.0], 0.5), 0.0999124478, 1e-6);
     }
 
     #[test]

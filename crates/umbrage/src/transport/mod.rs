@@ -1,5 +1,6 @@
 //! How light travels between patches: form factors, links, the oracle and `subdivide` (paper, sections 2 and 6).
 
+mod contour;
 pub mod form_factor;
 mod link;
 mod oracle;

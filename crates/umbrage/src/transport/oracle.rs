@@ -2,12 +2,13 @@
 //!
 //! The paper's oracle compares `formfactor_estimate(p, q)` with a threshold `Fmax`; it ignores brightness, reflectance and
 //! occluders. Here the estimate is taken both ways and the larger counts, and each patch is clipped to the front of the
-//! other's plane first: only that part of it takes part.
+//! other's plane first: only that part of it takes part. Between patches that touch, discs see far too little of each
+//! other; so the exact factor from the middle of the smaller patch to the larger counts too.
 
 use glam::DVec3;
 
 use super::Node;
-use super::form_factor::{Disc, disc_estimate};
+use super::form_factor::{Disc, disc_estimate, point_to_polygon};
 use crate::geometry::{Plane, clip, polygon};
 use crate::mesh::Mesh;
 
@@ -48,7 +49,13 @@ impl Oracle for FormFactorOracle {
         ];
         let [Some(first), Some(second)] = parts else { return Decision::Unseen };
         let discs = [disc(&first, planes[0].normal), disc(&second, planes[1].normal)];
-        let estimate = disc_estimate(&discs[0], &discs[1]).max(disc_estimate(&discs[1], &discs[0]));
+        let by_discs = disc_estimate(&discs[0], &discs[1]).max(disc_estimate(&discs[1], &discs[0]));
+        let from_middle = if discs[0].area_m2 <= discs[1].area_m2 {
+            point_to_polygon(discs[0].centre_m, discs[0].normal, &second)
+        } else {
+            point_to_polygon(discs[1].centre_m, discs[1].normal, &first)
+        };
+        let estimate = by_discs.max(from_middle);
         let areas_m2 = pair.map(|node| mesh.patch(node).area_m2);
         let larger = usize::from(areas_m2[1] > areas_m2[0]);
         if estimate > self.max_form_factor && areas_m2[larger] > self.min_area_m2 {

@@ -1,41 +1,35 @@
 //! Points of a receiver patch, and their weights, at which a form factor is averaged.
 //!
 //! A convex patch is cut into a fan of triangles; each gets the points of a rule that is exact for polynomials up to a
-//! degree (Dunavant, *High degree efficient symmetrical Gaussian quadrature rules for the triangle*, 1985). The nearer
-//! the two ends of a link, the faster the factor varies over the receiver, and the finer the rule.
+//! degree (Dunavant, *High degree efficient symmetrical Gaussian quadrature rules for the triangle*, 1985).
 //!
 //! Holds after: points lie strictly inside the patch; weights sum to 1.
 
 use glam::DVec3;
 
 /// How finely a patch is sampled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
-    /// The centroid of each triangle: exact to degree 1.
-    Centroid,
-    /// Three points: exact to degree 2.
-    Three,
-    /// Six points: exact to degree 4.
+    /// Six points a triangle: exact to degree 4.
     Six,
-    /// Six points in each of sixteen parts, for ends that touch: the factor is not smooth there.
-    Touching,
+    /// Six points in each quarter of a triangle.
+    FourTimesSix,
 }
 
-/// The ends of a link are this many of their radii apart, or more: then the rule suffices. The error of a rule of degree
-/// `d` goes with the radius over the distance to the power `d + 1`, so these keep it near 1 % of the link.
-const FAR_RADII: [(f64, Rule); 3] = [(6.0, Rule::Centroid), (2.0, Rule::Three), (1.1, Rule::Six)];
+/// Past occluders the factor has kinks, so that a high degree alone does not help; where the source is nearer than this
+/// many radii of the receiver, the factor also varies by itself, and points are four times as many.
+const NEAR_RADII: f64 = 2.0;
+
+/// The rule for a partly hidden source that is so many radii of the receiver away.
+pub(super) fn rule_past_occluders(radii: f64) -> Rule {
+    if radii < NEAR_RADII { Rule::FourTimesSix } else { Rule::Six }
+}
 
 /// Barycentric coordinates and weight of the orbits of the six-point rule.
 const SIX: [(f64, f64, f64); 2] = [
     (0.108103018168070, 0.445948490915965, 0.223381589678011),
     (0.816847572980459, 0.091576213509771, 0.109951743655322),
 ];
-
-/// The rule for a receiver of radius `receiver_m` and a source of radius `source_m` at `distance_m` between their middles.
-pub(super) fn rule(receiver_m: f64, source_m: f64, distance_m: f64) -> Rule {
-    let apart = distance_m / (receiver_m + source_m);
-    FAR_RADII.iter().find(|(least, _)| apart >= *least).map_or(Rule::Touching, |&(_, rule)| rule)
-}
 
 /// Points and weights of a rule over a convex polygon, in the order of its corners.
 pub(super) fn points(corners: &[DVec3], rule: Rule) -> Vec<(DVec3, f64)> {
@@ -58,10 +52,8 @@ fn add_triangle(points: &mut Vec<(DVec3, f64)>, t: [DVec3; 3], rule: Rule) {
         }
     };
     match rule {
-        Rule::Centroid => points.push(((t[0] + t[1] + t[2]) / 3.0, doubled_area)),
-        Rule::Three => orbit(2.0 / 3.0, 1.0 / 6.0, 1.0 / 3.0),
         Rule::Six => SIX.iter().for_each(|&(major, minor, weight)| orbit(major, minor, weight)),
-        Rule::Touching => quarters(t).into_iter().flat_map(quarters).for_each(|q| add_triangle(points, q, Rule::Six)),
+        Rule::FourTimesSix => quarters(t).into_iter().for_each(|q| add_triangle(points, q, Rule::Six)),
     }
 }
 
@@ -78,7 +70,7 @@ mod tests {
     #[test]
     fn rules_are_exact_to_their_degree() {
         let rectangle = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
-        for (rule, degree) in [(Rule::Centroid, 1), (Rule::Three, 2), (Rule::Six, 4), (Rule::Touching, 4)] {
+        for (rule, degree) in [(Rule::Six, 4), (Rule::FourTimesSix, 4)] {
             let points = points(&rectangle, rule);
             for (i, j) in (0..=degree).flat_map(|i| (0..=degree - i).map(move |j| (i, j))) {
                 let mean: f64 = points.iter().map(|(p, w)| w * p.x.powi(i) * p.y.powi(j)).sum();

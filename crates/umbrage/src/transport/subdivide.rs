@@ -119,3 +119,150 @@ impl<O: Oracle> Subdivision<'_, O> {
         self.divided_by_d0[patch.index()]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discontinuity::{DSegment, Degree, Event};
+    use crate::id::{EdgeId, Table};
+    use crate::mesh::MeshSettings;
+    use crate::transport::{FormFactorOracle, Link};
+    use crate::visibility::fixture;
+    use glam::DVec3;
+    use std::ops::ControlFlow;
+
+    fn oracle(prepared: &Prepared, max_form_factor: f64, min_area_m2: f64) -> FormFactorOracle {
+        FormFactorOracle { max_form_factor, min_area_m2, coplanar_m: prepared.tolerance.coplanar_m() }
+    }
+
+    fn linked(prepared: &Prepared, d_segments: &Table<crate::id::DSegmentId, DSegment>, f_max: f64) -> (Mesh, Links) {
+        let mut mesh = Mesh::new(prepared, d_segments, MeshSettings::default());
+        let index = Visibility::new(prepared);
+        let oracle = oracle(prepared, f_max, 0.01);
+        let links = link_all(prepared, &index, &mut mesh, &oracle, Progress::silent()).unwrap();
+        mesh.validate().unwrap();
+        links.validate(&mesh).unwrap();
+        (mesh, links)
+    }
+
+    /// A room with a box in it that stands on the floor.
+    fn furnished_room() -> Prepared {
+        let mut polygons = fixture::inward_box(DVec3::ZERO, DVec3::new(2.0, 1.5, 1.0));
+        polygons.extend(fixture::outward_box(DVec3::new(0.5, 0.5, 0.25), DVec3::new(1.0, 1.0, 0.75)));
+        fixture::prepared(&polygons)
+    }
+
+    /// What a leaf sees of everything: the factors of its own links and of those of the patches that it is part of, these
+    /// taken at its centroid.
+    fn row_sum(mesh: &Mesh, links: &Links, leaf: Node) -> f64 {
+        let frame = mesh.frame(mesh.patch(leaf).face);
+        let centroid = |node: Node| frame.to_2d(mesh.patch(node).centroid_m);
+        let at_leaf =
+            |link: &Link| link.form_factor + link.gradient.as_dvec2().dot(centroid(leaf) - centroid(link.receiver));
+        let chain = std::iter::successors(Some(leaf), |&node| mesh.patch(node).parent);
+        chain.flat_map(|node| links.of(node)).map(at_leaf).sum()
+    }
+
+    #[test]
+    fn smaller_thresholds_split_more_and_larger_patches_are_split_first() {
+        let prepared = furnished_room();
+        let [coarse, fine] = [0.3, 0.05].map(|f_max| linked(&prepared, &Table::new(), f_max));
+        assert!(fine.0.patch_count() > 4 * coarse.0.patch_count());
+        let split = fine.0.patches().filter(|(_, patch)| patch.subpatches.is_some());
+        assert!(split.into_iter().all(|(_, patch)| patch.area_m2 > 0.01));
+    }
+
+    #[test]
+    fn rows_of_a_closed_room_sum_to_one() {
+        let prepared = furnished_room();
+        let (mesh, links) = linked(&prepared, &Table::new(), 0.05);
+        let (mut mean, mut square, mut area_m2) = (0.0, 0.0, 0.0);
+        for leaf in mesh.leaves() {
+            let sum = row_sum(&mesh, &links, leaf);
+            mean += mesh.patch(leaf).area_m2 * sum;
+            square += mesh.patch(leaf).area_m2 * (sum - 1.0).powi(2);
+            area_m2 += mesh.patch(leaf).area_m2;
+        }
+        assert!((mean / area_m2 - 1.0).abs() < 1e-3, "{}", mean / area_m2);
+        assert!((square / area_m2).sqrt() < 0.05, "{}", (square / area_m2).sqrt());
+    }
+
+    #[test]
+    fn factors_are_reciprocal() {
+        let prepared = furnished_room();
+        let (mesh, links) = linked(&prepared, &Table::new(), 0.05);
+        for link in links.as_slice() {
+            let back = links.of(link.source).iter().find(|back| back.source == link.receiver);
+            let [there, here] = [link.receiver, link.source].map(|node| mesh.patch(node).area_m2);
+            let flows = [there * link.form_factor, here * back.map_or(0.0, |back| back.form_factor)];
+            assert!((flows[0] - flows[1]).abs() < 0.02 * there.min(here), "{link:?} {back:?}");
+        }
+    }
+
+    /// Two rooms over one floor, with a thin wall between, at `x = 1`; the wall's contact is a D0 d-segment.
+    fn two_rooms() -> (Prepared, Table<crate::id::DSegmentId, DSegment>) {
+        let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        let floor = vec![corner(0.0, 0.0, 0.0), corner(2.0, 0.0, 0.0), corner(2.0, 1.0, 0.0), corner(0.0, 1.0, 0.0)];
+        let mut polygons = vec![floor];
+        for x in [0.0, 1.0] {
+            polygons.extend(fixture::inward_box(corner(x, 0.0, 0.0), corner(x + 1.0, 1.0, 1.0)).into_iter().skip(1));
+        }
+        let prepared = fixture::prepared(&polygons);
+        let contact = DSegment {
+            face: FaceId::from(0),
+            ends_m: [corner(1.0, 0.0, 0.0), corner(1.0, 1.0, 0.0)],
+            degree: Degree::D0,
+            strength: 1.0,
+            event: Event::Contact { edge: EdgeId::from(0) },
+        };
+        (prepared, Table::from(vec![contact]))
+    }
+
+    #[test]
+    fn a_patch_with_a_contact_takes_no_link_and_is_split_whatever_the_threshold() {
+        let (prepared, contacts) = two_rooms();
+        let (mesh, links) = linked(&prepared, &contacts, 10.0);
+        let floor = mesh.root(FaceId::from(0));
+        assert!(links.of(floor).is_empty() && links.as_slice().iter().all(|link| link.source != floor));
+        for part in mesh.patch(floor).subpatches.unwrap() {
+            assert!(!links.of(part).is_empty());
+        }
+    }
+
+    #[test]
+    fn no_link_passes_a_partition() {
+        let (prepared, contacts) = two_rooms();
+        for f_max in [10.0, 0.1] {
+            let (mesh, links) = linked(&prepared, &contacts, f_max);
+            for link in links.as_slice() {
+                let sides = [link.receiver, link.source].map(|node| mesh.patch(node).centroid_m.x);
+                let rooms = sides.map(|x| if x == 1.0 { None } else { Some(x > 1.0) });
+                assert!(rooms[0].is_none() || rooms[1].is_none() || rooms[0] == rooms[1], "{link:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_number_of_threads_does_not_matter() {
+        let prepared = furnished_room();
+        let of_threads = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| linked(&prepared, &Table::new(), 0.1).1)
+        };
+        assert_eq!(of_threads(1), of_threads(2));
+    }
+
+    #[test]
+    fn a_callback_cancels_splitting_and_linking() {
+        let prepared = furnished_room();
+        for linking in [false, true] {
+            let stop = move |update: crate::progress::Update| {
+                if (update.total > 0) == linking { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            let mut mesh = Mesh::new(&prepared, &Table::new(), MeshSettings::default());
+            let oracle = oracle(&prepared, 0.1, 0.01);
+            let result = link_all(&prepared, &Visibility::new(&prepared), &mut mesh, &oracle, Progress::new(&stop));
+            assert_eq!(result, Err(Cancelled));
+        }
+    }
+}

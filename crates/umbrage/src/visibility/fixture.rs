@@ -9,6 +9,7 @@ use smallvec::smallvec;
 use crate::geometry::{Plane, PlaneFrame, Tolerance};
 use crate::id::{EdgeId, MaterialId, SurfaceId, VertexId};
 use crate::prepare::{DirectedEdge, Edge, Face, Facing, PrepareReport, Prepared, Side};
+use crate::scene::{Material, Scene};
 
 /// The nearest point that `f32` can hold.
 pub(crate) fn f32_point(p: DVec3) -> DVec3 {
@@ -78,6 +79,11 @@ pub(crate) fn prepared_of_materials(polygons: &[(Vec<DVec3>, usize)]) -> Prepare
         });
     }
     prepared
+}
+
+/// A scene that holds these materials and nothing else.
+pub(crate) fn scene(materials: Vec<Material>) -> Scene {
+    Scene { materials: materials.into(), ..Scene::default() }
 }
 
 /// The six faces of a box, looking outward.

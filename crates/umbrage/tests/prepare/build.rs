@@ -5,15 +5,15 @@ use umbrage::id::{MaterialId, NodeId, SurfaceId};
 use umbrage::scene::{Material, Node, Rgb, Scene, Surface};
 
 /// A scene that grows polygon by polygon; one surface for each material.
-pub struct Build(pub Scene);
+pub(crate) struct Build(pub Scene);
 
-pub const WHITE: usize = 0;
-pub const RED: usize = 1;
+pub(crate) const WHITE: usize = 0;
+pub(crate) const RED: usize = 1;
 /// A double-sided material.
-pub const SHEET: usize = 2;
+pub(crate) const SHEET: usize = 2;
 
 impl Build {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let mut scene = Scene::default();
         scene.nodes.push(Node { name: Some("test".into()), ..Node::default() });
         for name in ["white", "red", "sheet"] {
@@ -26,7 +26,7 @@ impl Build {
         Self(scene)
     }
 
-    pub fn polygon(&mut self, material: usize, corners: &[[f64; 3]]) -> &mut Self {
+    pub(crate) fn polygon(&mut self, material: usize, corners: &[[f64; 3]]) -> &mut Self {
         let surface = &mut self.0.surfaces[SurfaceId::from(material)];
         let first = surface.positions_m.len() as u32;
         surface.positions_m.extend(corners.iter().map(|&c| DVec3::from(c)));
@@ -35,17 +35,17 @@ impl Build {
     }
 
     /// A rectangle at height `y` that looks up.
-    pub fn floor(&mut self, material: usize, [x0, z0, x1, z1]: [f64; 4], y: f64) -> &mut Self {
+    pub(crate) fn floor(&mut self, material: usize, [x0, z0, x1, z1]: [f64; 4], y: f64) -> &mut Self {
         self.polygon(material, &[[x0, y, z0], [x0, y, z1], [x1, y, z1], [x1, y, z0]])
     }
 
     /// A rectangle at depth `z` that looks along +z.
-    pub fn wall(&mut self, material: usize, [x0, y0, x1, y1]: [f64; 4], z: f64) -> &mut Self {
+    pub(crate) fn wall(&mut self, material: usize, [x0, y0, x1, y1]: [f64; 4], z: f64) -> &mut Self {
         self.polygon(material, &[[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]])
     }
 
     /// The outer sides of a box; its bottom on request.
-    pub fn block(&mut self, material: usize, low: [f64; 3], high: [f64; 3], bottom: bool) -> &mut Self {
+    pub(crate) fn block(&mut self, material: usize, low: [f64; 3], high: [f64; 3], bottom: bool) -> &mut Self {
         let p = |i: usize, j: usize, k: usize| [[low, high][i][0], [low, high][j][1], [low, high][k][2]];
         self.polygon(material, &[p(0, 1, 0), p(0, 1, 1), p(1, 1, 1), p(1, 1, 0)]);
         self.polygon(material, &[p(0, 0, 1), p(1, 0, 1), p(1, 1, 1), p(0, 1, 1)]);
@@ -59,7 +59,7 @@ impl Build {
     }
 
     /// The same scene with every corner moved.
-    pub fn moved(&self, to: impl Fn(DVec3) -> DVec3) -> Scene {
+    pub(crate) fn moved(&self, to: impl Fn(DVec3) -> DVec3) -> Scene {
         let mut scene = self.0.clone();
         scene.surfaces.iter_mut().flat_map(|s| &mut s.positions_m).for_each(|p| *p = to(*p));
         scene

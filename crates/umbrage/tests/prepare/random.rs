@@ -78,6 +78,21 @@ proptest! {
     }
 
     #[test]
+    fn triangles_that_cross_anywhere(
+        triangles in prop::collection::vec((prop::array::uniform3(prop::array::uniform3(0..4_i8)), 0..3_usize), 1..8),
+        jitter in prop_oneof![Just(0.0), Just(1e-8)],
+    ) {
+        let mut b = Build::new();
+        for (corners, material) in triangles {
+            let place = |c: [i8; 3]| c.map(|x| f64::from(x) * (1.0 + jitter * f64::from(c[0] - 2 * c[1] + 3 * c[2])));
+            b.polygon(material, &corners.map(place));
+        }
+        if let Ok(p) = prepare(&b.0, Progress::silent()) {
+            prop_assert_eq!(check::check_topology(&p), Ok(()));
+        }
+    }
+
+    #[test]
     fn a_soup_never_panics(polygons in prop::collection::vec(
         (prop::collection::vec(prop::array::uniform3(0..4_i8), 3..7), 0..3_usize, 0.0..1e-5), 1..8,
     )) {

@@ -1,0 +1,174 @@
+//! The command `umbrage` as a user meets it: its words, its files and its exit codes.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn umbrage(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_umbrage")).args(arguments).output().unwrap()
+}
+
+/// An empty folder of this test's own.
+fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).unwrap();
+    path
+}
+
+fn code(output: &Output) -> Option<i32> {
+    output.status.code()
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn err(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn help_names_every_command_and_shows_how() {
+    let help = umbrage(&["--help"]);
+    assert_eq!(code(&help), Some(0));
+    for word in ["bake", "demo", "render", "info", "Examples:", "Exit codes:"] {
+        assert!(out(&help).contains(word), "{word}");
+    }
+    for command in ["bake", "demo", "render", "info"] {
+        let help = umbrage(&[command, "--help"]);
+        assert_eq!(code(&help), Some(0), "{command}");
+        assert!(out(&help).contains("Usage: umbrage"), "{command}");
+    }
+    assert!(out(&umbrage(&["--version"])).starts_with("umbrage 0."));
+}
+
+#[test]
+fn wrong_usage_is_told_with_code_2() {
+    for arguments in [
+        &["bake"][..],
+        &["bake", "a.glb"],
+        &["bake", "a.glb", "-o", "b.glb", "--max-form-factor", "0"],
+        &["bake", "a.glb", "-o", "b.glb", "--score", "best"],
+        &["render", "a.glb", "-o", "b.png", "--eye", "1,2,3"],
+        &["render", "a.glb", "-o", "b.png", "--width", "0"],
+        &["demo", "--threads", "0"],
+        &["info", "a.glb", "-q", "-v"],
+        &["polish"],
+        &[],
+    ] {
+        let refused = umbrage(arguments);
+        assert_eq!(code(&refused), Some(2), "{arguments:?}");
+        assert!(!err(&refused).is_empty(), "{arguments:?}");
+    }
+    let refused = umbrage(&["bake", "a.glb", "-o", "b.glb", "--score", "best"]);
+    assert!(err(&refused).contains("eq1") && err(&refused).contains("well-shaped"), "{}", err(&refused));
+}
+
+#[test]
+fn a_missing_file_is_named_with_code_1() {
+    for arguments in [
+        &["info", "no/such.glb"][..],
+        &["bake", "no/such.glb", "-o", "b.glb"],
+        &["render", "no/such.glb", "-o", "b.png"],
+    ] {
+        let failed = umbrage(arguments);
+        assert_eq!(code(&failed), Some(1), "{arguments:?}");
+        assert!(err(&failed).starts_with("error: ") && err(&failed).contains("no/such.glb"), "{}", err(&failed));
+        assert!(out(&failed).is_empty());
+        assert!(!err(&failed).contains('\u{1b}'), "colour without a terminal");
+    }
+}
+
+#[test]
+fn what_cannot_be_read_leaves_no_file() {
+    let folder = folder("unreadable");
+    let [scene, baked] = ["scene.glb", "baked.glb"].map(|name| folder.join(name).display().to_string());
+    for bytes in [&b""[..], b"glTF", b"{}", b"not a scene at all"] {
+        fs::write(&scene, bytes).unwrap();
+        let failed = umbrage(&["bake", &scene, "-o", &baked]);
+        assert_eq!(code(&failed), Some(1), "{}", err(&failed));
+        assert!(err(&failed).contains("scene.glb") && !Path::new(&baked).exists(), "{}", err(&failed));
+    }
+}
+
+#[test]
+fn a_scene_without_light_says_what_to_do() {
+    let folder = folder("lightless");
+    let [scene, baked] = ["scene.gltf", "baked.glb"].map(|name| folder.join(name).display().to_string());
+    // One triangle: (0,0,0), (1,0,0), (0,1,0).
+    let gltf = r#"{
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                       "min": [0, 0, 0], "max": [1, 1, 0]}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36,
+            "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]
+    }"#;
+    fs::write(&scene, gltf).unwrap();
+    let failed = umbrage(&["bake", &scene, "-o", &baked]);
+    assert_eq!(code(&failed), Some(1));
+    assert!(err(&failed).contains("emissiveFactor"), "{}", err(&failed));
+    let told = umbrage(&["info", &scene]);
+    assert_eq!(code(&told), Some(0), "{}", err(&told));
+    assert!(out(&told).contains("emitters    none") && out(&told).contains("0.5 m2"), "{}", out(&told));
+    assert!(err(&told).contains("emissiveFactor"), "{}", err(&told));
+}
+
+#[test]
+fn the_demo_leaves_a_glb_and_a_picture_that_renders_again() {
+    let folder = folder("demo").join("new");
+    let path = |name: &str| folder.join(name).display().to_string();
+    let demo = umbrage(&["demo", "--out-dir", &folder.display().to_string()]);
+    assert_eq!(code(&demo), Some(0), "{}", err(&demo));
+    for word in ["faces", "d-segments", "patches", "links", "triangles", "residual", "prepare", "cornell.glb", "Next:"]
+    {
+        assert!(out(&demo).contains(word), "{word} is not in\n{}", out(&demo));
+    }
+    assert!(err(&demo).is_empty(), "{}", err(&demo));
+    assert_eq!(fs::read(path("cornell.glb")).unwrap()[..4], *b"glTF");
+    let picture = fs::read(path("cornell.png")).unwrap();
+    assert_eq!(picture[1..4], *b"PNG");
+
+    let again = umbrage(&["render", &path("cornell.glb"), "-o", &path("again.png"), "--threads", "1", "-q"]);
+    assert_eq!((code(&again), out(&again)), (Some(0), String::new()), "{}", err(&again));
+    assert_eq!(fs::read(path("again.png")).unwrap(), picture);
+
+    let wires = umbrage(&["render", &path("cornell.glb"), "-o", &path("wires.png"), "--wireframe", "--width", "300"]);
+    assert_eq!(code(&wires), Some(0), "{}", err(&wires));
+    assert_ne!(fs::read(path("wires.png")).unwrap(), picture);
+
+    let unbaked = umbrage(&["render", &path("cornell.png"), "-o", &path("none.png")]);
+    assert_eq!(code(&unbaked), Some(1));
+    assert!(!folder.join("none.png").exists());
+}
+
+/// Ctrl-C during a bake ends it with 130 and leaves nothing behind.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_demo_leaves_nothing() {
+    use std::io::{BufRead, BufReader};
+    use std::process::Stdio;
+
+    let folder = folder("interrupted");
+    let mut demo = Command::new(env!("CARGO_BIN_EXE_umbrage"))
+        .args(["demo", "-v", "--out-dir", &folder.display().to_string()])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The log tells when Ctrl-C is listened for.
+    let mut log = BufReader::new(demo.stderr.take().unwrap());
+    let mut line = String::new();
+    log.read_line(&mut line).unwrap();
+    assert!(line.contains("Ctrl-C"), "{line}");
+    let kill = format!("kill -INT {}", demo.id());
+    assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+    let rest: Vec<String> = log.lines().map(Result::unwrap).collect();
+    assert_eq!(demo.wait().unwrap().code(), Some(130), "{rest:?}");
+    assert!(rest.last().unwrap().contains("interrupted"), "{rest:?}");
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
+}

@@ -1,0 +1,172 @@
+//! A field of irradiance on the mesh, and its values at the points where the mesh needs them.
+//!
+//! A value belongs to a point *of a side*: of all coplanar faces that look the same way, or of one patch alone where a
+//! contact (D0) passes through the point, since the value jumps there. The limit is taken from inside a patch: at a
+//! vertex, a little towards the middle of the patch.
+//!
+//! Values are kept, so that a point that serves the estimate of the error and later the mesh is evaluated once.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::discontinuity::is_contact;
+use crate::id::{PatchId, PlaneId, Table, VertexId};
+use crate::mesh::{BoundaryPoint, Mesh};
+use crate::prepare::{Facing, Prepared};
+use crate::progress::{Cancelled, Progress, Stage};
+use crate::scene::Rgb;
+use crate::visibility::ReceiverPoint;
+
+/// How far inside a patch its limit at a vertex is taken, as a share of the distance to its centroid.
+const INSIDE: f64 = 1e-3;
+/// And at most this share of the extent: then the limit is good to about as much.
+const INSIDE_OF_EXTENT: f64 = 1e-5;
+/// Points evaluated between two reports of progress.
+const POINTS_A_REPORT: usize = 256;
+
+/// Irradiance as a function of the place.
+pub(super) trait Field: Sync {
+    /// Irradiance at a point of `patch`, in W/m2.
+    fn at(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> Rgb;
+}
+
+/// The side that a value belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Side {
+    /// All coplanar faces that look this way.
+    Plane(PlaneId, Facing),
+    /// This patch alone: a contact passes through the point.
+    Patch(PatchId),
+}
+
+/// A point of the mesh: a vertex, or the middle between two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct MeshPoint {
+    vertices: [VertexId; 2],
+    side: Side,
+}
+
+/// A point to be evaluated.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Request {
+    pub(super) key: MeshPoint,
+    pub(super) point: ReceiverPoint,
+    pub(super) patch: PatchId,
+}
+
+/// Where contacts are, and how the points of patches are named.
+#[derive(Debug)]
+pub(super) struct Places<'a> {
+    prepared: &'a Prepared,
+    /// Whether a contact passes through a vertex of the prepared faces.
+    contact_vertices: Table<VertexId, bool>,
+    /// Whether a contact runs along an edge of the prepared faces.
+    contact_edges: Vec<bool>,
+}
+
+impl<'a> Places<'a> {
+    pub(super) fn new(prepared: &'a Prepared) -> Self {
+        let mut contact_vertices: Table<VertexId, bool> = vec![false; prepared.vertices_m.len()].into();
+        let mut contact_edges = Vec::with_capacity(prepared.edges.len());
+        for (id, edge) in prepared.edges.iter_enumerated() {
+            let contact = edge.faces.iter().any(|&face| is_contact(prepared, id, face));
+            contact_edges.push(contact);
+            if contact {
+                edge.ends.iter().for_each(|&end| contact_vertices[end] = true);
+            }
+        }
+        Self { prepared, contact_vertices, contact_edges }
+    }
+
+    fn on_contact(&self, mesh: &Mesh, vertex: VertexId) -> bool {
+        match mesh.split_root(vertex) {
+            Some(root) => self.contact_edges.get(root.index()).copied().unwrap_or(false),
+            None => self.contact_vertices[vertex],
+        }
+    }
+
+    fn side(&self, mesh: &Mesh, patch: PatchId, jumps: bool) -> Side {
+        if jumps {
+            return Side::Patch(patch);
+        }
+        let face = &self.prepared.faces[mesh.patch(patch).face];
+        Side::Plane(face.plane, face.facing)
+    }
+
+    /// The receiver point of `patch` next to `at_m`, which lies on its boundary.
+    pub(super) fn inside(&self, mesh: &Mesh, patch: PatchId, at_m: DVec3) -> ReceiverPoint {
+        let face = mesh.patch(patch).face;
+        let inward = mesh.patch(patch).centroid_m - at_m;
+        let most_m = INSIDE_OF_EXTENT * self.prepared.tolerance.extent_m;
+        let step_m = (INSIDE * inward.length()).min(most_m);
+        ReceiverPoint {
+            position_m: at_m + step_m * inward.normalize_or_zero(),
+            normal: self.prepared.normal(face),
+            plane: self.prepared.faces[face].plane,
+        }
+    }
+
+    /// The value at a boundary point of a patch.
+    pub(super) fn vertex(&self, mesh: &Mesh, patch: PatchId, vertex: VertexId) -> Request {
+        let side = self.side(mesh, patch, self.on_contact(mesh, vertex));
+        let point = self.inside(mesh, patch, mesh.vertex_m(vertex));
+        Request { key: MeshPoint { vertices: [vertex; 2], side }, point, patch }
+    }
+
+    /// The value in the middle between two boundary points of a patch.
+    pub(super) fn middle(&self, mesh: &Mesh, patch: PatchId, ends: [&BoundaryPoint; 2]) -> Request {
+        let mut vertices = ends.map(|end| end.vertex);
+        vertices.sort_unstable();
+        let jumps = ends.iter().any(|end| {
+            let root = mesh.edges().root(end.leaf.edge);
+            self.contact_edges.get(root.index()).copied().unwrap_or(false)
+        });
+        let side = self.side(mesh, patch, jumps);
+        let at_m = mesh.vertex_m(vertices[0]).midpoint(mesh.vertex_m(vertices[1]));
+        Request { key: MeshPoint { vertices, side }, point: self.inside(mesh, patch, at_m), patch }
+    }
+}
+
+/// Values of a field at points of the mesh.
+#[derive(Debug, Default)]
+pub(super) struct Values(BTreeMap<MeshPoint, Rgb>);
+
+impl Values {
+    /// The value of a point that was evaluated.
+    pub(super) fn get(&self, key: &MeshPoint) -> Option<Rgb> {
+        self.0.get(key).copied()
+    }
+
+    /// Number of points evaluated.
+    pub(super) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Evaluates what is not known yet.
+    pub(super) fn evaluate(
+        &mut self,
+        mesh: &Mesh,
+        field: &impl Field,
+        mut requests: Vec<Request>,
+        progress: Progress<'_>,
+    ) -> Result<(), Cancelled> {
+        requests.retain(|request| !self.0.contains_key(&request.key));
+        requests.sort_by_key(|request| (request.key, request.patch));
+        requests.dedup_by_key(|request| request.key);
+        let known = self.0.len();
+        let values = requests
+            .par_iter()
+            .enumerate()
+            .map(|(number, request)| {
+                if number.is_multiple_of(POINTS_A_REPORT) {
+                    progress.report(Stage::Shade, known + number, 0)?;
+                }
+                Ok(field.at(mesh, &request.point, request.patch))
+            })
+            .collect::<Result<Vec<Rgb>, Cancelled>>()?;
+        self.0.extend(requests.iter().map(|request| request.key).zip(values));
+        Ok(())
+    }
+}

@@ -1,0 +1,81 @@
+//! A field known at the boundary points of some patches, linear in between: indirect light, which is smooth, is gathered
+//! at few points and interpolated at the many that direct light needs.
+//!
+//! Patches that share a leaf edge share its values, so that the field is continuous wherever its values are.
+
+use glam::DVec2;
+
+use super::field::{Places, Values};
+use crate::id::{PatchId, Table};
+use crate::mesh::Mesh;
+use crate::scene::Rgb;
+use crate::visibility::ReceiverPoint;
+
+/// A triangle in the frame of its face, with the values at its corners.
+#[derive(Clone, Copy, Debug)]
+struct Element {
+    corners_m: [DVec2; 3],
+    values: [Rgb; 3],
+}
+
+impl Element {
+    /// Barycentric coordinates of a point.
+    fn weights(&self, at: DVec2) -> [f64; 3] {
+        let [a, b, c] = self.corners_m;
+        let doubled = (b - a).perp_dot(c - a);
+        [(b, c), (c, a), (a, b)].map(|(p, q)| (p - at).perp_dot(q - at) / doubled)
+    }
+}
+
+/// A field that is linear over the triangles of the patches that were leaves when it was made.
+#[derive(Clone, Debug)]
+pub(super) struct Interpolated {
+    elements: Table<PatchId, Vec<Element>>,
+}
+
+impl Interpolated {
+    /// The field with these values at the boundary points of the leaves.
+    pub(super) fn new(mesh: &Mesh, places: &Places<'_>, values: &Values) -> Self {
+        let mut elements: Table<PatchId, Vec<Element>> = vec![Vec::new(); mesh.patch_count()].into();
+        for leaf in mesh.leaves() {
+            let boundary = mesh.boundary(leaf);
+            let frame = mesh.frame(mesh.patch(leaf).face);
+            let known: Option<Vec<(DVec2, Rgb)>> = boundary
+                .iter()
+                .map(|point| {
+                    let value = values.get(&places.vertex(mesh, leaf, point.vertex).key)?;
+                    Some((frame.to_2d(mesh.vertex_m(point.vertex)), value))
+                })
+                .collect();
+            let Some(known) = known else { continue };
+            elements[leaf] = mesh
+                .triangles_of(leaf, &boundary)
+                .into_iter()
+                .map(|triangle| Element {
+                    corners_m: triangle.map(|k| known[k].0),
+                    values: triangle.map(|k| known[k].1),
+                })
+                .collect();
+        }
+        Self { elements }
+    }
+
+    /// The value at a point of a patch, or of a part of one.
+    pub(super) fn at(&self, mesh: &Mesh, point: &ReceiverPoint, mut patch: PatchId) -> Rgb {
+        while patch.index() >= self.elements.len() || self.elements[patch].is_empty() {
+            match mesh.patch(patch).parent {
+                Some(parent) => patch = parent,
+                None => return Rgb::ZERO,
+            }
+        }
+        let at = mesh.frame(mesh.patch(patch).face).to_2d(point.position_m);
+        let least = |weights: &[f64; 3]| weights.iter().copied().fold(f64::INFINITY, f64::min);
+        let nearest = self.elements[patch]
+            .iter()
+            .map(|element| (element.weights(at), element))
+            .reduce(|best, next| if least(&next.0) > least(&best.0) { next } else { best });
+        nearest.map_or(Rgb::ZERO, |(weights, element)| {
+            weights.iter().zip(element.values).map(|(&weight, value)| weight * value).sum()
+        })
+    }
+}

@@ -1,0 +1,92 @@
+//! From the solved hierarchy to what is shown.
+//!
+//! Indirect light is smooth: it is gathered from the hierarchy at few points, between which it is linear within a share
+//! of the tolerance. Then the mesh is refined for the sum of exact direct light and that. At last every leaf is cut
+//! into triangles, and the light of each vertex is written down.
+
+use super::BakedMesh;
+use super::assemble::assemble;
+use super::field::{Field, Places};
+use super::interpolated::Interpolated;
+use super::irradiance::{Direct, Indirect, Irradiance};
+use super::refine::{RefineSettings, refine};
+use crate::id::PatchId;
+use crate::mesh::Mesh;
+use crate::prepare::Prepared;
+use crate::progress::{Cancelled, Progress};
+use crate::scene::{Rgb, Scene};
+use crate::visibility::ReceiverPoint;
+
+/// The share of the tolerance that interpolation of indirect light may take.
+const INDIRECT_SHARE: f64 = 0.5;
+
+/// How finely light is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadeSettings {
+    /// Root mean square error of linear interpolation over the mean irradiance; infinite for no refinement.
+    pub tolerance: f64,
+    /// About so many triangles are made at most.
+    pub max_triangles: usize,
+}
+
+impl Default for ShadeSettings {
+    fn default() -> Self {
+        Self { tolerance: 0.01, max_triangles: usize::MAX }
+    }
+}
+
+/// The baked mesh, and the estimate of its error.
+#[derive(Clone, Debug)]
+pub struct Shaded {
+    /// Triangles and the light of their vertices.
+    pub mesh: BakedMesh,
+    /// Estimated root mean square error of interpolation over the mean irradiance.
+    pub error: f64,
+}
+
+/// Direct light exactly, plus indirect light from few points.
+struct Total<'a> {
+    direct: Direct<'a>,
+    indirect: &'a Interpolated,
+}
+
+impl Field for Total<'_> {
+    fn at(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> Rgb {
+        self.direct.at(mesh, point, patch) + self.indirect.at(mesh, point, patch)
+    }
+}
+
+/// Refines the mesh for what is seen, cuts it into triangles and evaluates the light of their corners.
+///
+/// # Errors
+/// [`Cancelled`] where the progress callback asks to stop.
+pub fn shade(
+    scene: &Scene,
+    prepared: &Prepared,
+    mesh: &mut Mesh,
+    irradiance: &Irradiance<'_>,
+    settings: ShadeSettings,
+    progress: Progress<'_>,
+) -> Result<Shaded, Cancelled> {
+    let receives =
+        |mesh: &Mesh, patch: PatchId| !scene.materials[prepared.faces[mesh.patch(patch).face].material].emits();
+    let places = Places::new(prepared);
+    mesh.remove_d0_hints();
+    let mean = irradiance.mean();
+    let smooth = RefineSettings {
+        tolerance: INDIRECT_SHARE * settings.tolerance,
+        mean,
+        max_triangles: settings.max_triangles / 2,
+    };
+    let everywhere = |_: &Mesh, _: PatchId| true;
+    let (values, _) = refine(mesh, &places, &Indirect(irradiance), everywhere, smooth, progress)?;
+    let indirect = Interpolated::new(mesh, &places, &values);
+    let total = Total { direct: Direct(irradiance), indirect: &indirect };
+    let whole = RefineSettings { tolerance: settings.tolerance, mean, max_triangles: settings.max_triangles };
+    let (_, error) = refine(mesh, &places, &total, receives, whole, progress)?;
+    for patch in mesh.triangulate() {
+        tracing::warn!(?patch, "a patch thinner than rounding is not shown");
+    }
+    let mesh = assemble(scene, prepared, mesh, &total, progress)?;
+    Ok(Shaded { mesh, error })
+}
