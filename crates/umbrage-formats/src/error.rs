@@ -160,6 +160,18 @@ pub enum FormatError {
         /// How to mend it.
         cure: &'static str,
     },
+    /// Something is said of a material that the scene has not.
+    #[error("{file}: there is no material {name:?}{like}: the scene has {known}")]
+    UnknownMaterial {
+        /// The file that says it, or the options.
+        file: String,
+        /// The name.
+        name: String,
+        /// The most similar name, as part of the message; empty if none is.
+        like: String,
+        /// The names that there are.
+        known: String,
+    },
     /// The nodes are no forest of moderate depth.
     #[error("{file}: {place}: {what}: repair the hierarchy of the scene and export again")]
     BadHierarchy {

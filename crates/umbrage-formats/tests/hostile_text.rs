@@ -1,5 +1,6 @@
 //! Bad OBJ, MGF, PLY and STL files: bytes flipped, cut, put in and mixed never make a reader panic, and whatever it
 //! accepts holds together.
+#![allow(clippy::expect_used, reason = "a test fails by panicking")]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! What is read from an MGF: contexts, colours, shapes, transforms, objects, includes.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;
 

@@ -237,7 +237,7 @@ impl Reader {
             ("cspec", [from, to, values @ ..]) => {
                 Colour::of_spectrum(place.finite(from)?, place.finite(to)?, &finite(values)?)
             }
-            ("cmix", [..]) if words.len() % 2 == 0 => {
+            ("cmix", [..]) if words.len().is_multiple_of(2) => {
                 let part = |pair: &[&str]| Ok((place.finite(pair[0])?, *self.colours.get(place, pair[1])?));
                 Colour::mixture(&words.chunks_exact(2).map(part).collect::<Result<Vec<_>, FormatError>>()?)
             }
