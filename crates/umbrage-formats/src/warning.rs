@@ -34,12 +34,12 @@ pub enum Warning {
         /// How many uses of a texture in materials.
         uses: usize,
     },
-    /// Vertex colours other than white, which are not used yet.
-    VertexColoursIgnored {
+    /// Vertex colours that vary over a primitive: their average was taken.
+    VertexColoursAveraged {
         /// How many primitives.
         primitives: usize,
     },
-    /// Materials with `alphaMode` MASK or BLEND: taken as opaque.
+    /// Materials that are cut out by a texture (`alphaMode` MASK) or half transparent (OBJ `d`): taken as opaque.
     AlphaIgnored {
         /// How many materials.
         materials: usize,
@@ -69,7 +69,7 @@ pub enum Warning {
         /// How many nodes.
         nodes: usize,
     },
-    /// Polygons of fully transparent materials, which block nothing: left out.
+    /// Polygons of materials that are fully transparent or blended (`alphaMode` BLEND), which block nothing: left out.
     TransparentLeftOut {
         /// How many polygons.
         polygons: usize,
@@ -173,8 +173,8 @@ impl fmt::Display for Warning {
             Self::TexturesIgnored { uses } => {
                 write!(f, "{} not used yet: the plain factors were taken", count(*uses, "texture"))
             }
-            Self::VertexColoursIgnored { primitives } => {
-                write!(f, "vertex colours not used yet in {}", count(*primitives, "primitive"))
+            Self::VertexColoursAveraged { primitives } => {
+                write!(f, "varying vertex colours averaged in {}", count(*primitives, "primitive"))
             }
             Self::AlphaIgnored { materials } => {
                 write!(f, "transparency ignored in {}: taken as opaque", count(*materials, "material"))
@@ -193,7 +193,7 @@ impl fmt::Display for Warning {
                 write!(f, "{} outside the default scene left out", count(*nodes, "node"))
             }
             Self::TransparentLeftOut { polygons } => {
-                write!(f, "{} left out: fully transparent, blocking nothing", count(*polygons, "polygon"))
+                write!(f, "{} left out: transparent, blocking nothing", count(*polygons, "polygon"))
             }
             Self::TooFewCorners { polygons } => {
                 write!(f, "{} with fewer than three corners left out", count(*polygons, "polygon"))

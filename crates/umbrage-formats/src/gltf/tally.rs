@@ -15,8 +15,11 @@ pub(super) struct Tally {
     pub(super) no_positions: usize,
     pub(super) capped_materials: usize,
     pub(super) textures: usize,
-    pub(super) vertex_colours: usize,
-    pub(super) alpha_materials: usize,
+    pub(super) varying_colours: usize,
+    /// Materials with `alphaMode` MASK.
+    pub(super) masked_materials: usize,
+    /// Polygons of materials with `alphaMode` BLEND.
+    pub(super) blended_polygons: usize,
     pub(super) skinned_nodes: usize,
     pub(super) morphed_primitives: usize,
     pub(super) punctual_lights: usize,
@@ -51,8 +54,9 @@ impl Tally {
         warn(self.left_over_corners, |primitives| Warning::LeftOverCorners { primitives });
         warn(self.no_positions, |primitives| Warning::NoPositions { primitives });
         warn(self.textures, |uses| Warning::TexturesIgnored { uses });
-        warn(self.vertex_colours, |primitives| Warning::VertexColoursIgnored { primitives });
-        warn(self.alpha_materials, |materials| Warning::AlphaIgnored { materials });
+        warn(self.varying_colours, |primitives| Warning::VertexColoursAveraged { primitives });
+        warn(self.masked_materials, |materials| Warning::AlphaIgnored { materials });
+        warn(self.blended_polygons, |polygons| Warning::TransparentLeftOut { polygons });
         warn(self.skinned_nodes, |nodes| Warning::SkinsAtRest { nodes });
         warn(self.morphed_primitives, |primitives| Warning::MorphTargetsIgnored { primitives });
         warn(self.punctual_lights, |nodes| Warning::PunctualLightsIgnored { nodes });
