@@ -20,7 +20,8 @@ use crate::{interrupt, summary};
 const HELP: &str = "\
 Examples:
   umbrage bake room.glb -o baked.glb
-  umbrage bake room.glb -o fine.glb --max-form-factor 0.01
+  umbrage bake room.glb -o fine.glb --tolerance 0.003
+  umbrage bake room.glb -o small.glb --max-triangles 5000
   umbrage bake room.glb -o brighter.glb --exposure 2.5
   umbrage bake house.obj -o house.glb --unit mm --emit lamp=12,11,9
 
@@ -90,6 +91,9 @@ pub(crate) fn write(
     let mut extras = Map::new();
     extras.insert("max_form_factor".into(), settings.max_form_factor.into());
     extras.insert("min_area_m2".into(), settings.min_area_m2.into());
+    // JSON has no infinity: null is no refinement.
+    let tolerance = Some(settings.shade.tolerance).filter(|tolerance| tolerance.is_finite());
+    extras.insert("tolerance".into(), tolerance.into());
     extras.insert("score".into(), settings.score.to_string().into());
     extras.insert("mend_bad_shapes".into(), settings.mend_bad_shapes.into());
     extras.insert("discontinuities".into(), settings.discontinuities.into());

@@ -3,11 +3,18 @@
 use clap::Args;
 use umbrage::bake::BakeSettings;
 use umbrage::mesh::SplitScore;
+use umbrage::shade::ShadeSettings;
 
 /// How the mesh is refined.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Method")]
 pub(crate) struct MethodArgs {
+    /// Refine triangles until the light between vertices errs by this share of the mean light; `none`: not at all
+    #[arg(long, value_name = "T", value_parser = tolerance, default_value_t = BakeSettings::default().shade.tolerance)]
+    tolerance: f64,
+    /// Make about so many triangles at most [default: as many as the tolerance needs]
+    #[arg(long, value_name = "N")]
+    max_triangles: Option<usize>,
     /// Split patches until the share of one's light that reaches another is less than this; a smaller F makes a finer mesh
     #[arg(long, value_name = "F", value_parser = share, default_value_t = BakeSettings::default().max_form_factor)]
     max_form_factor: f64,
@@ -29,12 +36,14 @@ impl MethodArgs {
     /// The settings that these options mean.
     pub(crate) fn settings(&self) -> BakeSettings {
         let default = BakeSettings::default();
+        let max_triangles = self.max_triangles.unwrap_or(default.shade.max_triangles);
         BakeSettings {
             max_form_factor: self.max_form_factor,
             min_area_m2: self.min_area.or(default.min_area_m2),
             score: self.score,
             mend_bad_shapes: !self.keep_bad_shapes,
             discontinuities: !self.no_discontinuities,
+            shade: ShadeSettings { tolerance: self.tolerance, max_triangles },
             ..default
         }
     }
@@ -48,6 +57,11 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
 /// A number above 0 and at most 1.
 pub(crate) fn share(text: &str) -> Result<f64, String> {
     positive(text).and_then(|x| if x <= 1.0 { Ok(x) } else { Err("must be at most 1".into()) })
+}
+
+/// A number above 0, or `none` for infinity.
+fn tolerance(text: &str) -> Result<f64, String> {
+    if text == "none" { Ok(f64::INFINITY) } else { positive(text) }
 }
 
 /// A finite number.
@@ -85,6 +99,8 @@ mod tests {
 
     #[test]
     fn options_become_settings() {
+        let coarse = Command::parse_from(["bake", "--tolerance", "none", "--max-triangles", "900"]).method.settings();
+        assert_eq!(coarse.shade, ShadeSettings { tolerance: f64::INFINITY, max_triangles: 900 });
         let line = "bake --max-form-factor 0.5 --min-area 2 --score eq1 --no-discontinuities --keep-bad-shapes";
         let settings = Command::parse_from(line.split(' ')).method.settings();
         assert_eq!((settings.max_form_factor, settings.min_area_m2, settings.score), (0.5, Some(2.0), SplitScore::Eq1));

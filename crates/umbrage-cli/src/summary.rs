@@ -26,6 +26,7 @@ pub(crate) fn summary(report: &Report, written: &Written, elapsed: Duration) -> 
     line("links", grouped(report.links));
     line("vertices", grouped(report.vertices));
     line("triangles", grouped(report.triangles));
+    line("error", format!("{:.2} % of the mean light, between vertices (estimate)", 100.0 * report.error));
     line("residual", format!("{:.1e} after {}", report.residual, count(report.iterations, "iteration")));
     let clipped = match written.clipped_vertices {
         0 => String::new(),
@@ -49,11 +50,12 @@ pub(crate) fn mended(prepare: &PrepareReport) -> Vec<String> {
     [
         (prepare.welded_corners, "welded corner"),
         (prepare.degenerate_polygons, "polygon without area left out|polygons without area left out"),
-        (prepare.duplicate_polygons, "duplicate polygon left out|duplicate polygons left out"),
+        (prepare.duplicate_polygons, "polygon that was there twice|polygons that were there twice"),
         (prepare.nonplanar_polygons, "polygon that was not plane|polygons that were not plane"),
         (prepare.t_vertices, "T-vertex of the input|T-vertices of the input"),
         (prepare.contact_edges, "contact edge"),
         (prepare.overlaps, "overlap"),
+        (prepare.dropped_cuts, "cut too small to be made|cuts too small to be made"),
     ]
     .into_iter()
     .filter(|(n, _)| *n > 0)

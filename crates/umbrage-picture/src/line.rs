@@ -33,7 +33,7 @@ pub enum LineColor {
 
 impl LineColor {
     /// Luminance above which a thin black line is easier to see than a thin white one.
-    const MIDDLE: f32 = 0.4;
+    const MIDDLE: f32 = 0.6;
 
     /// The colour over `under`.
     pub(crate) fn over(self, under: LinearRgb) -> LinearRgb {

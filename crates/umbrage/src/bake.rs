@@ -29,8 +29,8 @@ use crate::solve::{self, SolveSettings, Surfaces};
 use crate::transport::{self, FormFactorOracle};
 use crate::visibility::Visibility;
 
-/// Where no smallest area is given, this share of the area of all faces: about 10,000 patches if all were as small.
-const MIN_AREA_OF_TOTAL: f64 = 1e-4;
+/// Where no smallest area is given, this share of the area of all faces: 4,000 patches if all were as small.
+const MIN_AREA_OF_TOTAL: f64 = 2.5e-4;
 
 /// How a scene is baked.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -171,8 +171,13 @@ pub fn bake(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> R
     clock.end_of(Stage::Solve);
 
     let light = Irradiance::new(scene, &prepared, &visibility, &mesh, &links, &solution);
-    let shaded = shade::shade(scene, &prepared, &mut mesh, &light, settings.shade, progress)?;
-    check(|| mesh.validate().map_err(|error| error.to_string()));
+    let mut shown = if settings.shade.tolerance.is_finite() {
+        Mesh::new(&prepared, &discontinuities.segments, mesh_settings)
+    } else {
+        mesh.clone()
+    };
+    let shaded = shade::shade(scene, &prepared, &mut shown, &light, settings.shade, progress)?;
+    check(|| shown.validate().map_err(|error| error.to_string()));
     check(|| shaded.mesh.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Shade);
 

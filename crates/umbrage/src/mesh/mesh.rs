@@ -164,6 +164,23 @@ impl Mesh {
         sides.iter().map(|side| frame.to_2d(self.vertices_m[self.edges.start(side[0])])).collect()
     }
 
+    /// The unsplit patch of a face that a point of it lies in; where it lies on a cut, one beside it.
+    pub fn leaf_at(&self, face: FaceId, point_m: DVec3) -> PatchId {
+        let at = self.frames[face].to_2d(point_m);
+        let mut patch = self.root(face);
+        while let Some([first, second]) = self.patches[patch].subpatches {
+            // The cut is the last side of both parts, with the part to its left.
+            let chord = self.patches[first].sides.last().and_then(|side| side.first());
+            let left = chord.is_none_or(|&chord| {
+                let [p, q] = [self.edges.start(chord), self.edges.end(chord)]
+                    .map(|vertex| self.frames[face].to_2d(self.vertices_m[vertex]));
+                (q - p).perp_dot(at - p) >= 0.0
+            });
+            patch = if left { first } else { second };
+        }
+        patch
+    }
+
     /// The boundary points of a patch in order, those that neighbours made included.
     pub fn boundary(&self, patch: PatchId) -> Vec<BoundaryPoint> {
         let mut points = Vec::new();
@@ -370,6 +387,9 @@ mod tests {
             prop_assert_eq!(mesh.validate(), Ok(()));
             let area: f64 = mesh.leaves().map(|leaf| mesh.patch(leaf).area_m2).sum();
             prop_assert!((area - 2.0).abs() < 1e-5);
+            for leaf in mesh.leaves() {
+                prop_assert_eq!(mesh.leaf_at(mesh.patch(leaf).face, mesh.patch(leaf).centroid_m), leaf);
+            }
             prop_assert_eq!(sample::t_vertices(&mesh), 0);
         }
     }

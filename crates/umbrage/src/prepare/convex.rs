@@ -1,8 +1,8 @@
 //! Partition of a plane's cells into convex, well-shaped pieces (Hertel and Mehlhorn, 1983).
 //!
 //! A constrained Delaunay triangulation fills the cells; then diagonals are taken away as long as what they separated is
-//! convex together. Hertel and Mehlhorn take any order and have at most four times the fewest pieces; here several
-//! orders are tried, by how well shaped (`4 pi A / P^2`) a union is and by how much better than its parts, and each cell
+//! convex together. Hertel and Mehlhorn take any order and have at most four times the fewest pieces; here two
+//! orders are tried, by how much better shaped (`4 pi A / P^2`) a union is than its parts and by length, and each cell
 //! keeps the one with the fewest pieces, then with the best shaped worst piece. Needed edges are never taken away. Both
 //! facings of a cell share its pieces, so that diagonals never cross.
 //!
@@ -13,7 +13,9 @@ use rayon::prelude::*;
 
 use super::arrangement::Label;
 use super::merge::{Order, Pieces};
+use super::sides;
 use super::triangulation::{Cells, Triangulation};
+use crate::geometry::{PlaneFrame, Tolerance};
 
 /// A convex piece of a cell.
 #[derive(Clone, Debug)]
@@ -29,22 +31,27 @@ pub(super) struct Piece {
 /// A partition is better shaped only by more than this: less is rounding.
 const LEAST_GAIN: f64 = 1e-6;
 /// All orders that are tried; of equal results the first counts.
-const ORDERS: [Order; 3] = [Order::MostGain, Order::BestUnion, Order::Longest];
+const ORDERS: [Order; 2] = [Order::MostGain, Order::Longest];
 
 /// The convex pieces of all cells that show something. `beside` says what each edge has to its left and its right.
 pub(super) fn pieces(
-    flat: &[DVec2],
+    frame: &PlaneFrame,
     points: &[DVec3],
     triangulation: &Triangulation,
     beside: &[[Label; 2]],
-    straight_m: f64,
+    tolerance: &Tolerance,
 ) -> Vec<Piece> {
+    let flat: Vec<DVec2> = points.iter().map(|&p| frame.to_2d(p)).collect();
     let cells = triangulation.cells();
     let labels = labels(triangulation, &cells, beside);
     let mut best: Vec<Option<Partition>> = vec![None; cells.count];
     let merged = |&order: &Order| {
-        let shows = |t: usize| labels[cells.cell_of[t] as usize] != [None; 2];
-        let mut pieces = Pieces::new(flat, points, triangulation, straight_m, shows);
+        // A triangle that cuts have bent out of the plane stays one: it is plane by itself.
+        let is_in_plane = |&v: &u32| frame.plane.signed_distance_m(points[v as usize]).abs() <= tolerance.weld_m();
+        let may_merge = |t: usize| {
+            labels[cells.cell_of[t] as usize] != [None; 2] && triangulation.triangles[t].corners.iter().all(is_in_plane)
+        };
+        let mut pieces = Pieces::new(&flat, points, triangulation, sides::straight_m(tolerance), may_merge);
         pieces.merge(order);
         by_cell(&mut pieces, &cells, &labels)
     };
@@ -108,9 +115,9 @@ fn by_cell(pieces: &mut Pieces<'_>, cells: &Cells, labels: &[Label]) -> Vec<Part
 
 #[cfg(test)]
 mod tests {
-    use super::super::sides;
+    use super::super::testing::TOLERANCE;
     use super::*;
-    use crate::geometry::polygon;
+    use crate::geometry::{Plane, polygon};
     use crate::id::SurfaceId;
 
     /// Pieces of a polygon with holes, each a loop; the first runs counter-clockwise, the holes clockwise.
@@ -127,9 +134,11 @@ mod tests {
             }
             first += n;
         }
+        let plane = Plane { normal: DVec3::Z, offset_m: 0.0 };
+        let frame = PlaneFrame { plane, origin: DVec3::ZERO, u: DVec3::X, v: DVec3::Y };
         let points: Vec<DVec3> = flat.iter().map(|p| p.extend(0.0)).collect();
         let triangulation = Triangulation::new(&flat, &edges);
-        let pieces = pieces(&flat, &points, &triangulation, &beside, 1e-6);
+        let pieces = pieces(&frame, &points, &triangulation, &beside, &TOLERANCE);
         for piece in &pieces {
             let corners: Vec<DVec2> = piece.boundary.iter().map(|&i| flat[i as usize]).collect();
             assert!(sides::is_convex(&corners, &piece.corners));

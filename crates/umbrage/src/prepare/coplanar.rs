@@ -36,7 +36,7 @@ pub(super) struct Planes {
 #[derive(Default)]
 struct Known {
     /// In each cell the planes by the sort key of their offset, and by number.
-    cells: HashMap<I64Vec3, BTreeMap<(u64, PlaneId), DVec3>>,
+    cells: HashMap<I64Vec3, BTreeMap<(u64, PlaneId), Plane>>,
 }
 
 /// A number whose order as an integer is the order of finite `x`.
@@ -52,11 +52,11 @@ impl Known {
 
     fn insert(&mut self, plane: &Plane, id: PlaneId) {
         let cell = self.cells.entry(Self::cell(plane.normal)).or_default();
-        cell.insert((sort_key(plane.offset_m), id), plane.normal);
+        cell.insert((sort_key(plane.offset_m), id), *plane);
     }
 
-    /// Planes whose normal and offset differ from those of `plane` by no more than this.
-    fn near(&self, plane: &Plane, tilt: f64, slack_m: f64) -> Vec<PlaneId> {
+    /// Planes whose normal and offset differ from those of `plane` by no more than this, and of which `is_near` holds.
+    fn near(&self, plane: &Plane, tilt: f64, slack_m: f64, is_near: impl Fn(&Plane) -> bool) -> Vec<PlaneId> {
         let (low, high) = (Self::cell(plane.normal - tilt), Self::cell(plane.normal + tilt));
         let range = (sort_key(plane.offset_m - slack_m), PlaneId::from(0))
             ..=(sort_key(plane.offset_m + slack_m), PlaneId::from(u32::MAX as usize - 1));
@@ -66,7 +66,9 @@ impl Known {
                 for z in low.z..=high.z {
                     let Some(cell) = self.cells.get(&I64Vec3::new(x, y, z)) else { continue };
                     let planes = cell.range(range.clone());
-                    found.extend(planes.filter(|p| p.1.distance(plane.normal) <= tilt).map(|p| p.0.1));
+                    found.extend(
+                        planes.filter(|p| is_near(p.1) && p.1.normal.distance(plane.normal) <= tilt).map(|p| p.0.1),
+                    );
                 }
             }
         }
@@ -109,15 +111,15 @@ fn nearest(
     let tilt = (4.0 * tolerance.coplanar_m() / width_m).min(MOST_TILT);
     let reach_m = corners.iter().map(|c| c.length()).fold(0.0, f64::max);
     let slack_m = tilt * reach_m + 2.0 * tolerance.coplanar_m();
+    let passes = |plane: &Plane| corners.iter().all(|&c| plane.signed_distance_m(c).abs() <= tolerance.coplanar_m());
     let distance_m = |id: PlaneId| {
         let plane = &frames[id].plane;
         corners.iter().map(|&c| plane.signed_distance_m(c).abs()).fold(0.0, f64::max)
     };
     [*own, own.flipped()]
         .iter()
-        .flat_map(|way| known.near(way, tilt, slack_m))
+        .flat_map(|way| known.near(way, tilt, slack_m, passes))
         .map(|id| (distance_m(id), id))
-        .filter(|found| found.0 <= tolerance.coplanar_m())
         .min_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)))
         .map(|(_, id)| id)
 }

@@ -15,8 +15,6 @@ use crate::geometry::polygon;
 /// Which diagonal goes first.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Order {
-    /// The one whose union is best shaped.
-    BestUnion,
     /// The one whose union is better shaped than its worse part by most.
     MostGain,
     /// The longest.
@@ -66,19 +64,20 @@ pub(super) struct Pieces<'a> {
 }
 
 impl<'a> Pieces<'a> {
-    /// A piece for each triangle; diagonals may go where `shows` holds.
+    /// A piece for each triangle; diagonals may go between those that `may_merge`.
     pub(super) fn new(
         flat: &'a [DVec2],
         points: &'a [DVec3],
         triangulation: &Triangulation,
         straight_m: f64,
-        shows: impl Fn(usize) -> bool,
+        may_merge: impl Fn(usize) -> bool,
     ) -> Self {
         let triangles = &triangulation.triangles;
         let n = triangles.len();
         let twin_of = |half: usize| {
             let (t, i) = (half / 3, half % 3);
-            let neighbour = triangles[t].neighbours[i].filter(|_| triangles[t].edges[i].is_none() && shows(t))?;
+            let neighbour = triangles[t].neighbours[i]
+                .filter(|&n| triangles[t].edges[i].is_none() && may_merge(t) && may_merge(n as usize))?;
             let [a, b] = triangles[t].side(i);
             (0..3).find(|&j| triangles[neighbour as usize].side(j) == [b, a]).map(|j| 3 * neighbour as usize + j)
         };
@@ -137,11 +136,12 @@ impl<'a> Pieces<'a> {
         let half = half.min(twin);
         let (p, q) = (self.piece_of(half), self.piece_of(self.twin[half]?));
         let length_m = self.length_m(half);
-        let perimeter_m = self.perimeter_m[p] + self.perimeter_m[q] - 2.0 * length_m;
-        let union = polygon::compactness(self.area_m2[p] + self.area_m2[q], perimeter_m);
         let rank = match order {
-            Order::BestUnion => union,
-            Order::MostGain => union - self.compactness(p).min(self.compactness(q)),
+            Order::MostGain => {
+                let perimeter_m = self.perimeter_m[p] + self.perimeter_m[q] - 2.0 * length_m;
+                let union = polygon::compactness(self.area_m2[p] + self.area_m2[q], perimeter_m);
+                union - self.compactness(p).min(self.compactness(q))
+            }
             Order::Longest => length_m,
         };
         Some(Candidate { rank, half, versions: [self.version[p], self.version[q]] })

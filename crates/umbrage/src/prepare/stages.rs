@@ -14,7 +14,6 @@ use super::coplanar::{self, Planes};
 use super::diagonal;
 use super::needed::{self, NeededEdge, Use};
 use super::node::Segments;
-use super::sides;
 use super::soup::{self, Polygon};
 use super::triangulation::Triangulation;
 use super::weld::{Frame, Points};
@@ -176,7 +175,7 @@ fn convex_pieces(
         let positions: Vec<DVec3> = vertices.iter().map(|&v| points[v]).collect();
         let beside: SmallVec<[_; 8]> = run.iter().map(|u| u.2.beside).collect();
         let triangulation = Triangulation::new(&flat, &numbered);
-        let pieces = convex::pieces(&flat, &positions, &triangulation, &beside, sides::straight_m(tolerance));
+        let pieces = convex::pieces(&planes.frames[plane], &positions, &triangulation, &beside, tolerance);
         let place = |piece: convex::Piece| PlacedPiece {
             plane,
             boundary: piece.boundary.iter().map(|&i| vertices[i as usize]).collect(),

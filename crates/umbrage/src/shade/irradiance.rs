@@ -21,11 +21,11 @@ use crate::transport::{Link, Links, Sight};
 use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility};
 
 /// A link that brings less than this share of the mean irradiance is weak: what its linear form errs is a part of that.
-const WEAK_OF_MEAN: f64 = 1e-3;
+const WEAK_OF_MEAN: f64 = 5e-3;
 
 /// A source gives way to its parts where that may change irradiance by more than this share of its mean: a point gathers
 /// over some hundred links, whose errors partly cancel.
-const TRIFLE_OF_MEAN: f64 = 5e-4;
+const TRIFLE_OF_MEAN: f64 = 1e-3;
 
 /// An emitting face.
 #[derive(Clone, Debug)]
@@ -39,12 +39,11 @@ struct Emitter {
 #[derive(Debug)]
 pub struct Irradiance<'a> {
     visibility: &'a Visibility,
+    mesh: &'a Mesh,
     links: &'a Links,
     emitters: Vec<Emitter>,
     /// Mean irradiance of all faces, in W/m2.
     mean: f64,
-    /// What a weak link brings at most, in W/m2.
-    weak: f64,
     /// What each patch sends on of what it receives, `B - M`, in W/m2.
     reflected: Table<PatchId, Rgb>,
     /// Polygons of the patches that reflect.
@@ -59,7 +58,7 @@ impl<'a> Irradiance<'a> {
         scene: &Scene,
         prepared: &Prepared,
         visibility: &'a Visibility,
-        mesh: &Mesh,
+        mesh: &'a Mesh,
         links: &'a Links,
         solution: &Solution,
     ) -> Self {
@@ -83,9 +82,8 @@ impl<'a> Irradiance<'a> {
         let area_m2: f64 = roots().map(|root| mesh.patch(root).area_m2).sum();
         let power: Rgb = roots().map(|root| solution.irradiance[root] * mesh.patch(root).area_m2).sum();
         let mean = power.element_sum() / 3.0 / area_m2;
-        let weak = WEAK_OF_MEAN * power.max_element() / area_m2;
         let trifle = TRIFLE_OF_MEAN * power.max_element() / area_m2;
-        Self { visibility, links, emitters, mean, weak, trifle, reflected, polygons }
+        Self { visibility, mesh, links, emitters, mean, trifle, reflected, polygons }
     }
 
     /// Mean irradiance of all faces, over the three colours, in W/m2.
@@ -98,45 +96,44 @@ impl<'a> Irradiance<'a> {
         self.emitters.iter().map(|emitter| emitter.exitance * self.visible_factor(receiver, &emitter.polygon)).sum()
     }
 
-    /// Irradiance by reflection, in W/m2, at a point of the unsplit patch `leaf`.
-    pub fn indirect(&self, mesh: &Mesh, receiver: &ReceiverPoint, leaf: PatchId) -> Rgb {
+    /// Irradiance by reflection, in W/m2, at a point of `face`.
+    pub fn indirect(&self, receiver: &ReceiverPoint, face: FaceId) -> Rgb {
         let mut sum = Rgb::ZERO;
-        let mut node = Some(leaf);
+        let mut node = Some(self.mesh.leaf_at(face, receiver.position_m));
         while let Some(patch) = node {
             for link in self.links.of(patch) {
-                sum += self.over_link(mesh, receiver, link);
+                sum += self.over_link(receiver, link);
             }
-            node = mesh.patch(patch).parent;
+            node = self.mesh.patch(patch).parent;
         }
         sum
     }
 
     /// Irradiance over a link at a point of its receiver.
-    fn over_link(&self, mesh: &Mesh, receiver: &ReceiverPoint, link: &Link) -> Rgb {
+    fn over_link(&self, receiver: &ReceiverPoint, link: &Link) -> Rgb {
         let light = self.reflected[link.source];
-        if light.max_element() * link.form_factor < self.weak {
-            let patch = mesh.patch(link.receiver);
-            let frame = mesh.frame(patch.face);
+        if light.max_element() * link.form_factor < WEAK_OF_MEAN * self.mean {
+            let patch = self.mesh.patch(link.receiver);
+            let frame = self.mesh.frame(patch.face);
             let away = frame.to_2d(receiver.position_m) - frame.to_2d(patch.centroid_m);
             return (link.form_factor + link.gradient.as_dvec2().dot(away)).max(0.0) * light;
         }
-        self.reflected_by(mesh, receiver, link.source, link.sight)
+        self.reflected_by(receiver, link.source, link.sight)
     }
 
     /// Irradiance by what a patch reflects, taken by parts where it varies enough.
-    fn reflected_by(&self, mesh: &Mesh, receiver: &ReceiverPoint, source: PatchId, sight: Sight) -> Rgb {
+    fn reflected_by(&self, receiver: &ReceiverPoint, source: PatchId, sight: Sight) -> Rgb {
         let Some(polygon) = &self.polygons[source] else { return Rgb::ZERO };
         let unhindered = point_to_polygon(receiver.position_m, receiver.normal, &polygon.corners_m);
         if unhindered == 0.0 {
             return Rgb::ZERO;
         }
         let light = self.reflected[source];
-        let solved = |part: &PatchId| part.index() < self.reflected.len();
-        if let Some(parts) = mesh.patch(source).subpatches.filter(|parts| parts.iter().all(solved)) {
+        if let Some(parts) = self.mesh.patch(source).subpatches {
             let change =
                 parts.iter().map(|&part| (self.reflected[part] - light).abs().max_element()).fold(0.0, f64::max);
             if unhindered * change > self.trifle {
-                return parts.iter().map(|&part| self.reflected_by(mesh, receiver, part, sight)).sum();
+                return parts.iter().map(|&part| self.reflected_by(receiver, part, sight)).sum();
             }
         }
         match sight {
@@ -167,7 +164,7 @@ pub(super) struct Indirect<'a>(pub(super) &'a Irradiance<'a>);
 
 impl Field for Indirect<'_> {
     fn at(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> Rgb {
-        self.0.indirect(mesh, point, patch)
+        self.0.indirect(point, mesh.patch(patch).face)
     }
 }
 
@@ -202,18 +199,10 @@ mod tests {
         let irradiance = Irradiance::new(&scene, &prepared, &index, &mesh, &links, &solution);
         let face = FaceId::from(face);
         let corners = prepared.polygon_m(face);
-        let inside = |patch: PatchId, p: DVec3| {
-            let polygon = mesh.polygon_m(patch);
-            (0..polygon.len()).all(|i| {
-                let (from, to) = (polygon[i], polygon[(i + 1) % polygon.len()]);
-                (to - from).cross(p - from).dot(prepared.normal(face)) >= 0.0
-            })
-        };
         let evaluate = |&[s, t]: &[f64; 2]| {
             let p = corners[0] + s * (corners[1] - corners[0]) + t * (corners[corners.len() - 1] - corners[0]);
-            let leaf = mesh.leaves().find(|&leaf| mesh.patch(leaf).face == face && inside(leaf, p)).unwrap();
             let receiver = ReceiverPoint::on_face(&prepared, face, p);
-            [irradiance.direct(&receiver), irradiance.indirect(&mesh, &receiver, leaf)]
+            [irradiance.direct(&receiver), irradiance.indirect(&receiver, face)]
         };
         points.iter().map(evaluate).collect()
     }

@@ -3,6 +3,9 @@
 //! Indirect light is smooth: it is gathered from the hierarchy at few points, between which it is linear within a share
 //! of the tolerance. Then the mesh is refined for the sum of exact direct light and that. At last every leaf is cut
 //! into triangles, and the light of each vertex is written down.
+//!
+//! The mesh that is shown is not the one that carried transport: that one must be well shaped, this one must follow the
+//! light, and where light is even it stays coarse.
 
 use super::BakedMesh;
 use super::assemble::assemble;
@@ -56,7 +59,7 @@ impl Field for Total<'_> {
     }
 }
 
-/// Refines the mesh for what is seen, cuts it into triangles and evaluates the light of their corners.
+/// Refines `mesh` for what is seen, cuts it into triangles and evaluates the light of their corners.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.

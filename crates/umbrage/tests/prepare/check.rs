@@ -161,6 +161,10 @@ fn covers(corners: &[DVec3], at: DVec3, normal: DVec3, both: bool, extent_m: f64
 fn faces_do_not_overlap(p: &Prepared) -> Result<(), String> {
     let all: Vec<_> = p.faces.keys().map(|f| p.polygon_m(f)).collect();
     for (id, corners) in p.faces.keys().zip(&all) {
+        // The normal of a sliver's own corners is no measure.
+        if polygon::area_m2(corners) < BESIDE_OF_EXTENT * p.tolerance.extent_m * polygon::perimeter_m(corners) {
+            continue;
+        }
         let centre = polygon::centroid(corners);
         let covering = all.iter().filter(|c| covers(c, centre, p.normal(id), false, p.tolerance.extent_m)).count();
         if covering != 1 {

@@ -77,7 +77,16 @@ fn an_empty_scene_is_refused() {
 }
 
 #[test]
-fn the_same_scene_gives_the_same_faces() {
-    let [p, q] = [0, 1].map(|_| prepared(&cornell::cornell_box(), 0.0));
+fn faces_do_not_depend_on_the_number_of_threads() {
+    let mut b = Build::new();
+    b.floor(WHITE, [0.0, 0.0, 9.0, 9.0], 0.0);
+    for i in 0..9 {
+        let (x, z) = (f64::from(i % 3) * 3.0 + 0.5, f64::from(i / 3) * 3.0 + 0.5);
+        b.block(RED, [x, 0.0, z], [x + 1.0 + 0.1 * f64::from(i), 1.0, z + 2.0], i % 2 == 0);
+    }
+    let [p, q] = [1, 4].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| prepared(&b.0, 0.0))
+    });
     assert_eq!((p.vertices_m, p.edges, p.faces, p.planes), (q.vertices_m, q.edges, q.faces, q.planes));
 }
