@@ -9,12 +9,13 @@ use serde_json::Map;
 use umbrage::bake::{self, Bake, BakeSettings};
 use umbrage::progress::Progress;
 use umbrage::scene::Scene;
-use umbrage_formats::{BakeFacts, ReadOptions, Written, write_baked_glb};
+use umbrage_formats::{BakeFacts, Written, write_baked_glb};
 
 use crate::method::{MethodArgs, positive, share};
 use crate::output::Output;
 use crate::progress::Bar;
-use crate::{interrupt, scene_file, summary};
+use crate::scene_file::SceneArgs;
+use crate::{interrupt, summary};
 
 const HELP: &str = "\
 Examples:
@@ -22,15 +23,23 @@ Examples:
   umbrage bake room.glb -o fine.glb --tolerance 0.003
   umbrage bake room.glb -o small.glb --max-triangles 5000
   umbrage bake room.glb -o brighter.glb --exposure 2.5
+  umbrage bake house.obj -o house.glb --unit mm --emit lamp=12,11,9
 
-A scene needs at least one material that gives light (glTF: emissiveFactor, in Blender: Emission). Units are metres and \
-W/m2; a surface is lit on its front, unless its material is double-sided.";
+A scene needs at least one material that gives light (glTF: emissiveFactor, in Blender: Emission; OBJ: Ke; MGF: ed). Where \
+the file has none, --emit gives it, or a TOML beside the scene (for room.glb: room.umbrage.toml):
+
+  [materials.lamp]
+  emission = [12, 11, 9]      # radiance in W/(m2 sr); one number is for red, green and blue
+  reflectance = 0.5           # share of light, 0 to 1
+  double_sided = true
+
+Units are metres and W/m2; a surface is lit on its front, unless its material is double-sided.";
 
 /// Bake a scene: write a GLB whose triangles follow the shadows and whose vertices carry the light
 #[derive(Debug, Args)]
 #[command(after_help = HELP)]
 pub(crate) struct BakeArgs {
-    /// The scene: glTF 2.0 (.glb or .gltf)
+    /// The scene: glTF 2.0 (.glb or .gltf), OBJ, MGF, PLY or STL
     scene: PathBuf,
     /// The baked file to write (.glb); replaced if it exists
     #[arg(short, long, value_name = "OUT.glb")]
@@ -43,13 +52,15 @@ pub(crate) struct BakeArgs {
     #[arg(long, value_name = "R", value_parser = share, default_value_t = 0.9)]
     max_reflectance: f64,
     #[command(flatten)]
+    reading: SceneArgs,
+    #[command(flatten)]
     method: MethodArgs,
 }
 
 pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     interrupt::listen()?;
     let begin = Instant::now();
-    let scene = scene_file::read(&args.scene, &ReadOptions { max_reflectance: args.max_reflectance })?;
+    let scene = args.reading.read(&args.scene, args.max_reflectance)?;
     let settings = args.method.settings();
     let bake =
         bake_scene(&scene, &settings, output).with_context(|| format!("cannot bake {}", args.scene.display()))?;

@@ -3,31 +3,47 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use glam::DVec3;
 use umbrage::geometry::polygon;
 use umbrage::id::{MaterialId, SurfaceId};
-use umbrage::scene::{Rgb, Scene};
-
-use umbrage_formats::ReadOptions;
+use umbrage::prepare::{self, Prepared};
+use umbrage::progress::Progress;
+use umbrage::scene::{Rgb, Scene, SceneError};
 
 use crate::output::{Output, answer, warning};
-use crate::scene_file;
-use crate::summary::grouped;
+use crate::progress::Bar;
+use crate::scene_file::{SceneArgs, Unit};
+use crate::summary::{self, count, grouped};
 
-/// Tell what is in a scene: polygons, area, materials, what gives light and how much
+/// Tell what is in a scene: polygons, area, materials, what gives light and how much, gaps and defects
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// The scene: glTF 2.0 (.glb or .gltf)
+    /// The scene: glTF 2.0 (.glb or .gltf), OBJ, MGF, PLY or STL
     scene: PathBuf,
+    #[command(flatten)]
+    reading: SceneArgs,
 }
 
-pub(crate) fn run(args: &InfoArgs, _output: Output) -> anyhow::Result<()> {
-    let scene = scene_file::read(&args.scene, &ReadOptions { max_reflectance: 1.0 })?;
-    if let Err(error) = scene.validate() {
+pub(crate) fn run(args: &InfoArgs, output: Output) -> anyhow::Result<()> {
+    let scene = args.reading.read(&args.scene, 1.0)?;
+    let valid = scene.validate();
+    if let Err(error) = &valid {
         warning(&format!("{}: cannot be baked: {error}", args.scene.display()));
     }
-    answer(&describe(&scene))
+    let mut text = describe(&scene, args.reading.unit());
+    // A scene without light has faces, all the same.
+    if matches!(valid, Ok(()) | Err(SceneError::Lightless { .. })) {
+        let bar = Bar::new(output);
+        let callback = |update| bar.update(update);
+        let prepared = prepare::prepare(&scene, Progress::new(&callback));
+        bar.clear();
+        match prepared {
+            Ok(prepared) => text += &describe_faces(&prepared),
+            Err(error) => warning(&format!("{}: cannot be baked: {error}", args.scene.display())),
+        }
+    }
+    answer(&text)
 }
 
 /// Area of the polygons of a material that can be measured, in square metres; a double-sided one counts once.
@@ -60,12 +76,43 @@ fn bounds_m(scene: &Scene) -> Option<[DVec3; 2]> {
     })
 }
 
-fn describe(scene: &Scene) -> String {
-    let mut text = String::new();
-    let mut line = |name: &str, value: String| {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{name:<10}  {value}");
+/// A unit that the file may be in, if that of its coordinates is unlikely: rooms and buildings are not a hundred metres
+/// high and more, nor some millimetres.
+fn likely_unit(unit: Unit, [low, high]: [DVec3; 2]) -> Option<(Unit, f64)> {
+    let (height, width) = ((high - low).y / unit.metres(), (high - low).max_element() / unit.metres());
+    let likely = match (height, width) {
+        _ if unit != Unit::M => return None,
+        (1000.0.., _) | (_, 20_000.0..) => Unit::Mm,
+        (100.0.., _) | (_, 2000.0..) => Unit::Cm,
+        _ => return None,
     };
+    Some((likely, height))
+}
+
+/// One line of a description.
+fn line(text: &mut String, name: &str, value: &str) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "{name:<10}  {value}");
+}
+
+/// What there is to say of a scene once its faces are known.
+fn describe_faces(prepared: &Prepared) -> String {
+    let mut text = String::new();
+    line(&mut text, "faces", &grouped(prepared.faces.len()));
+    let shells = prepare::shells(prepared);
+    let open = match shells.open_edges {
+        0 => String::new(),
+        n => format!(", with {}", count(n, "open edge")),
+    };
+    line(&mut text, "shells", &format!("{} closed, {} open{open}", grouped(shells.closed), grouped(shells.open)));
+    let defects = summary::mended(&prepared.report);
+    line(&mut text, "defects", &if defects.is_empty() { "none".into() } else { defects.join(", ") });
+    text
+}
+
+fn describe(scene: &Scene, unit: Unit) -> String {
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| line(&mut text, name, &value);
     let materials: Vec<(MaterialId, f64)> =
         (0..scene.materials.len()).map(MaterialId::from).map(|id| (id, area_m2(scene, id))).collect();
     line("scene", scene.name.clone());
@@ -73,10 +120,15 @@ fn describe(scene: &Scene) -> String {
     line("surfaces", grouped(scene.surfaces.len()));
     line("polygons", grouped(scene.polygon_count()));
     line("area", format!("{} m2", rounded(materials.iter().map(|(_, area)| area).sum())));
-    if let Some([low, high]) = bounds_m(scene) {
+    if let Some(bounds) = bounds_m(scene) {
+        let [low, high] = bounds;
         let [low, high, size] = [low, high, high - low].map(|p| p.to_array().map(rounded));
         line("bounds", format!("{} to {} m", low.join(","), high.join(",")));
         line("size", format!("{} m", size.join(" x ")));
+        if let Some((likely, height)) = likely_unit(unit, bounds) {
+            let name = likely.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned());
+            line("unit", format!("{} m high? It is perhaps in {name}: give --unit {name}", rounded(height)));
+        }
     }
     line("materials", grouped(materials.len()));
     for &(id, area) in &materials {
@@ -135,7 +187,7 @@ mod tests {
 
     #[test]
     fn the_cornell_box_is_described() {
-        let text = describe(&cornell_box());
+        let text = describe(&cornell_box(), Unit::M);
         // 0.13 x 0.105 m of light; pi x 18.387 x 0.01365 = 0.7885 W of red.
         for expected in ["polygons    20", "total: 0.7885 0.5998 0.2896", "0.01365 m2", "0.556 x 0.5488 x 0.5592 m"] {
             assert!(text.contains(expected), "{expected} is not in\n{text}");
@@ -152,10 +204,26 @@ mod tests {
     }
 
     #[test]
+    fn a_room_in_millimetres_is_recognised() {
+        let mut scene = cornell_box();
+        scene.surfaces.iter_mut().flat_map(|s| &mut s.positions_m).for_each(|p| *p *= 5000.0);
+        assert!(describe(&scene, Unit::M).contains("2744 m high? It is perhaps in mm: give --unit mm"));
+        assert!(!describe(&scene, Unit::Ft).contains("perhaps"));
+        assert!(!describe(&cornell_box(), Unit::M).contains("perhaps"));
+    }
+
+    #[test]
+    fn faces_shells_and_defects_are_described() {
+        let prepared = prepare::prepare(&cornell_box(), Progress::silent()).unwrap();
+        let text = describe_faces(&prepared);
+        assert!(text.contains("shells      0 closed, 1 open, with 4 open edges") && text.contains("defects"), "{text}");
+    }
+
+    #[test]
     fn a_broken_scene_is_described_too() {
         let mut scene = cornell_box();
         scene.surfaces[SurfaceId::from(0)].polygons[0][0] = 4_000_000;
-        assert!(describe(&scene).contains("polygons    20"));
-        assert!(describe(&Scene::default()).contains("emitters    none"));
+        assert!(describe(&scene, Unit::M).contains("polygons    20"));
+        assert!(describe(&Scene::default(), Unit::M).contains("emitters    none"));
     }
 }

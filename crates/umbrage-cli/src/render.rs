@@ -13,7 +13,8 @@ use umbrage_picture::{Camera, Line, LineColor, LineSet, MAX_SIZE_PX, PictureMesh
 use crate::method::{number, positive};
 use crate::output::Output;
 use crate::progress::Bar;
-use crate::{interrupt, scene_file, summary};
+use crate::scene_file::SceneArgs;
+use crate::{interrupt, summary};
 
 const HELP: &str = "\
 Examples:
@@ -70,6 +71,8 @@ pub(crate) struct RenderArgs {
     /// orange, D2 blue
     #[arg(long, value_name = "SCENE")]
     segments: Option<PathBuf>,
+    #[command(flatten)]
+    reading: SceneArgs,
 }
 
 pub(crate) fn run(args: &RenderArgs, output: Output) -> anyhow::Result<()> {
@@ -99,7 +102,7 @@ pub(crate) fn run(args: &RenderArgs, output: Output) -> anyhow::Result<()> {
         });
     }
     if let Some(scene) = &args.segments {
-        lines.extend(segments(scene, output)?);
+        lines.extend(segments(scene, &args.reading, output)?);
     }
     let picture = umbrage_picture::render(&meshes, &lines, &camera, &settings)
         .with_context(|| format!("cannot draw {}", args.baked.display()))?
@@ -143,9 +146,9 @@ pub(crate) fn default_camera(
 }
 
 /// The d-segments of a scene by degree, the strongest last, so that they are drawn over the others.
-fn segments(path: &Path, output: Output) -> anyhow::Result<Vec<LineSet>> {
+fn segments(path: &Path, reading: &SceneArgs, output: Output) -> anyhow::Result<Vec<LineSet>> {
     interrupt::listen()?;
-    let scene = scene_file::read(path, &ReadOptions::default())?;
+    let scene = reading.read(path, ReadOptions::default().max_reflectance)?;
     let bar = Bar::new(output);
     let callback = |update| bar.update(update);
     let segments = bake::d_segments(&scene, Progress::new(&callback));

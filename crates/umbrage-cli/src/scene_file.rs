@@ -1,17 +1,108 @@
-//! Reading a scene for a command: with its warnings told.
+//! Reading a scene for a command: the options that say how, and its warnings told.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use anyhow::anyhow;
+use clap::{Args, ValueEnum};
 use umbrage::scene::Scene;
-use umbrage_formats::{ReadOptions, read_scene_with};
+use umbrage_formats::{MaterialColour, Overrides, ReadOptions, UpAxis, read_scene_with};
 
 use crate::output;
 
-/// Reads a scene, and tells what of the file was not taken over.
-pub(crate) fn read(path: &Path, options: &ReadOptions) -> anyhow::Result<Scene> {
-    let (scene, warnings) = read_scene_with(path, options)?;
-    for warning in &warnings {
-        output::warning(&format!("{}: {warning}", path.display()));
+/// What a scene's file does not say, or says wrongly.
+#[derive(Debug, Default, Args)]
+#[command(next_help_heading = "Scene")]
+pub(crate) struct SceneArgs {
+    /// Let a material give light: its radiance in W/(m2 sr), red, green and blue, or one number for all; may be repeated
+    #[arg(long, value_name = "MATERIAL=R,G,B")]
+    emit: Vec<MaterialColour>,
+    /// Let a material reflect this share of the light, 0 to 1, red, green and blue, or one number; may be repeated
+    #[arg(long, value_name = "MATERIAL=R,G,B")]
+    reflectance: Vec<MaterialColour>,
+    /// A TOML that says such things of materials [default: SCENE.umbrage.toml beside the scene, if there is one]
+    #[arg(long, value_name = "FILE")]
+    materials: Option<PathBuf>,
+    /// The unit of length of the file
+    #[arg(long, value_enum, default_value_t)]
+    unit: Unit,
+    /// The axis of the file that points up
+    #[arg(long, value_enum, default_value_t)]
+    up_axis: Up,
+}
+
+/// A unit of length.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Unit {
+    /// Millimetre
+    Mm,
+    /// Centimetre
+    Cm,
+    /// Metre
+    #[default]
+    M,
+    /// Inch
+    In,
+    /// Foot
+    Ft,
+}
+
+impl Unit {
+    /// Its length in metres.
+    pub(crate) fn metres(self) -> f64 {
+        match self {
+            Self::Mm => 0.001,
+            Self::Cm => 0.01,
+            Self::M => 1.0,
+            Self::In => 0.0254,
+            Self::Ft => 0.3048,
+        }
     }
-    Ok(scene)
+}
+
+/// The axis that points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Up {
+    /// Y, as in glTF
+    #[default]
+    Y,
+    /// Z, as in most MGF and STL files
+    Z,
+}
+
+impl SceneArgs {
+    /// The unit that the file is taken to be in.
+    pub(crate) fn unit(&self) -> Unit {
+        self.unit
+    }
+
+    /// Reads a scene with what these options and the TOML say of it, and tells what of the file was not taken over.
+    pub(crate) fn read(&self, path: &Path, max_reflectance: f64) -> anyhow::Result<Scene> {
+        let up = match self.up_axis {
+            Up::Y => UpAxis::Y,
+            Up::Z => UpAxis::Z,
+        };
+        let options = ReadOptions { max_reflectance, unit_m: self.unit.metres(), up, ..ReadOptions::default() };
+        let (mut scene, mut warnings) = read_scene_with(path, &options)?;
+        warnings.extend(self.overrides(path)?.apply(&mut scene, max_reflectance)?);
+        for warning in &warnings {
+            output::warning(&format!("{}: {warning}", path.display()));
+        }
+        Ok(scene)
+    }
+
+    fn overrides(&self, path: &Path) -> anyhow::Result<Overrides> {
+        let beside = Overrides::path_beside(path);
+        let mut overrides = match &self.materials {
+            Some(file) => Overrides::read(file)?,
+            None if beside.is_file() => Overrides::read(beside)?,
+            None => Overrides::default(),
+        };
+        for emission in &self.emit {
+            overrides.emit(emission.clone());
+        }
+        for reflectance in &self.reflectance {
+            overrides.reflect(reflectance.clone()).map_err(|what| anyhow!("--reflectance: {what}"))?;
+        }
+        Ok(overrides)
+    }
 }

@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::time::Duration;
 
 use umbrage::bake::Report;
+use umbrage::prepare::PrepareReport;
 use umbrage_formats::Written;
 
 use crate::memory;
@@ -37,7 +38,7 @@ pub(crate) fn summary(report: &Report, written: &Written, elapsed: Duration) -> 
     if let Some(bytes) = memory::peak_bytes() {
         line("peak memory", self::bytes(bytes));
     }
-    let mended = mended(report);
+    let mended = mended(&report.prepare);
     if !mended.is_empty() {
         line("mended", mended.join(", "));
     }
@@ -45,8 +46,7 @@ pub(crate) fn summary(report: &Report, written: &Written, elapsed: Duration) -> 
 }
 
 /// What `prepare` mended, where it mended anything.
-fn mended(report: &Report) -> Vec<String> {
-    let prepare = &report.prepare;
+pub(crate) fn mended(prepare: &PrepareReport) -> Vec<String> {
     [
         (prepare.welded_corners, "welded corner"),
         (prepare.degenerate_polygons, "polygon without area left out|polygons without area left out"),

@@ -172,3 +172,37 @@ fn an_interrupted_demo_leaves_nothing() {
     assert!(rest.last().unwrap().contains("interrupted"), "{rest:?}");
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
 }
+
+#[test]
+fn materials_and_units_are_said_beside_the_file() {
+    let folder = folder("said");
+    let path = |name: &str| folder.join(name).display().to_string();
+    let (scene, baked) = (path("room.obj"), path("baked.glb"));
+    // A lamp over a floor, in millimetres.
+    let obj = "v 0 0 0\nv 4000 0 0\nv 4000 0 4000\nv 0 0 4000\nv 0 3000 0\nv 4000 3000 0\nv 4000 3000 4000\nv 0 3000 4000\n\
+        usemtl floor\nf 4 3 2 1\nusemtl lamp\nf 5 6 7 8\n";
+    fs::write(&scene, obj).unwrap();
+    let told = umbrage(&["info", &scene]);
+    assert_eq!(code(&told), Some(0));
+    assert!(out(&told).contains("--unit mm") && out(&told).contains("0 closed, 2 open"), "{}", out(&told));
+    assert!(err(&told).contains("--emit MATERIAL=r,g,b") && err(&told).contains("\"lamp\""), "{}", err(&told));
+
+    let refused = umbrage(&["bake", &scene, "-o", &baked, "--emit", "lamb=1"]);
+    assert_eq!(code(&refused), Some(1));
+    assert!(err(&refused).contains("perhaps \"lamp\" is meant"), "{}", err(&refused));
+    assert_eq!(code(&umbrage(&["bake", &scene, "-o", &baked, "--emit", "lamp"])), Some(2));
+    assert!(!Path::new(&baked).exists());
+
+    fs::write(
+        path("room.umbrage.toml"),
+        "[materials.lamp]\nemission = [1, 2, 4]\n[materials.floor]\nreflectance = 0.2\n",
+    )
+    .unwrap();
+    let told = umbrage(&["info", &scene, "--unit", "mm", "--reflectance", "floor=0.1"]);
+    // pi x 1 x 16 m2 = 50.27 W.
+    assert!(out(&told).contains("total: 50.27 100.5 201.1") && out(&told).contains("0.1 0.1 0.1"), "{}", out(&told));
+    assert!(!err(&told).contains("cannot be baked") && !out(&told).contains("perhaps"), "{}", err(&told));
+    let done = umbrage(&["bake", &scene, "-o", &baked, "--unit", "mm"]);
+    assert_eq!(code(&done), Some(0), "{}", err(&done));
+    assert!(Path::new(&baked).exists());
+}

@@ -31,7 +31,9 @@ pub enum FormatError {
         file: String,
     },
     /// Neither the beginning of the file nor its name is that of a known format.
-    #[error("{file}: {found} is not a format that can be read: export the scene as glTF 2.0 (.glb or .gltf)")]
+    #[error(
+        "{file}: {found} is not a format that can be read: export the scene as glTF 2.0 (.glb or .gltf), OBJ, MGF, PLY or STL"
+    )]
     UnknownFormat {
         /// The file.
         file: String,
@@ -145,6 +147,30 @@ pub enum FormatError {
         place: String,
         /// The value.
         value: String,
+    },
+    /// A statement or a value of a text, or a part of a binary mesh, is not what its format says it is.
+    #[error("{file}: {place}: {what}: {cure}")]
+    BadStatement {
+        /// The file, which may be one that the scene includes.
+        file: String,
+        /// The line, or the element of a binary file.
+        place: String,
+        /// What is wrong.
+        what: String,
+        /// How to mend it.
+        cure: &'static str,
+    },
+    /// Something is said of a material that the scene has not.
+    #[error("{file}: there is no material {name:?}{like}: the scene has {known}")]
+    UnknownMaterial {
+        /// The file that says it, or the options.
+        file: String,
+        /// The name.
+        name: String,
+        /// The most similar name, as part of the message; empty if none is.
+        like: String,
+        /// The names that there are.
+        known: String,
     },
     /// The nodes are no forest of moderate depth.
     #[error("{file}: {place}: {what}: repair the hierarchy of the scene and export again")]

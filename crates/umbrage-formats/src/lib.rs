@@ -1,6 +1,7 @@
 //! Scene files in, baked GLB files out.
 //!
-//! - [`read_scene`] reads a scene of a known format and says in typed [`Warning`]s what it did not take over;
+//! - [`read_scene`] reads a scene (glTF, OBJ, MGF, PLY, STL) and says in typed [`Warning`]s what it did not take over;
+//! - [`Overrides`] say of a scene's materials what the file does not: which of them give light;
 //! - [`write_baked_glb`] writes a baked mesh as one ordinary GLB, all or nothing;
 //! - [`read_baked`] reads a baked file back, for pictures and measurements.
 //!
@@ -9,14 +10,23 @@
 
 mod atomic;
 mod baked_file;
+mod beside;
+mod builder;
 mod error;
 mod gltf;
+mod mgf;
+mod obj;
+mod overrides;
+mod ply;
 mod read;
+mod stl;
+mod text;
 mod warning;
 
 pub use atomic::write_atomically;
 pub use baked_file::{BakedFile, BakedFilePart};
 pub use error::FormatError;
 pub use gltf::{BakeFacts, Written, baked_glb_bytes, write_baked_glb};
-pub use read::{ReadOptions, read_baked, read_baked_bytes, read_scene, read_scene_bytes, read_scene_with};
+pub use overrides::{MaterialColour, Overrides};
+pub use read::{ReadOptions, UpAxis, read_baked, read_baked_bytes, read_scene, read_scene_bytes, read_scene_with};
 pub use warning::Warning;

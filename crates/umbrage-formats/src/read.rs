@@ -3,29 +3,43 @@
 use std::fs;
 use std::path::Path;
 
+use glam::DVec3;
 use umbrage::scene::Scene;
 
-use crate::{BakedFile, FormatError, Warning, gltf};
+use crate::{BakedFile, FormatError, Warning, gltf, mgf, obj, ply, stl};
 
 /// How a scene is read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadOptions {
     /// Reflectances above it are capped, per channel and counted, 0 to 1: a white closed room has no solution.
     pub max_reflectance: f64,
+    /// Length of the file's unit, in metres: 0.001 for a file in millimetres. glTF and MGF say that theirs is the metre,
+    /// and many files do not keep to it; the other formats say nothing.
+    pub unit_m: f64,
+    /// The axis of the file that points up; the scene's is Y.
+    pub up: UpAxis,
+    /// Chords of a full circle, where a format has curved shapes: 24 are off by 0.9 % of the radius at most.
+    pub circle_segments: usize,
+}
+
+/// The axis of a file that points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UpAxis {
+    /// Y, as in glTF.
+    #[default]
+    Y,
+    /// Z, as is usual in MGF, STL and what comes from CAD: the scene is turned about X, so that it stands upright.
+    Z,
 }
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { max_reflectance: 0.9 }
+        Self { max_reflectance: 0.9, unit_m: 1.0, up: UpAxis::Y, circle_segments: 24 }
     }
 }
 
 /// Formats that people try, and that are not read yet.
-const KNOWN_ELSEWHERE: [(&str, &str); 12] = [
-    ("obj", "Wavefront OBJ"),
-    ("mgf", "MGF"),
-    ("ply", "PLY"),
-    ("stl", "STL"),
+const KNOWN_ELSEWHERE: [(&str, &str); 8] = [
     ("fbx", "FBX"),
     ("blend", "a Blender file"),
     ("dae", "COLLADA"),
@@ -36,7 +50,8 @@ const KNOWN_ELSEWHERE: [(&str, &str); 12] = [
     ("usdz", "USDZ"),
 ];
 
-/// Reads a scene with the default options. Formats: glTF 2.0 as `.gltf` (buffers beside it or embedded) and `.glb`.
+/// Reads a scene with the default options. Formats: glTF 2.0 as `.gltf` (buffers beside it or embedded) and `.glb`,
+/// Wavefront `.obj` with its material libraries, `.mgf`, `.ply` and `.stl`.
 ///
 /// The scene is in metres, +Y up, all in world space; the warnings say what was ignored or altered, each kind once.
 /// Nothing is said of whether it can be baked: that is [`Scene::validate`].
@@ -67,8 +82,15 @@ pub fn read_scene_bytes(
     options: &ReadOptions,
 ) -> Result<(Scene, Vec<Warning>), FormatError> {
     let path = path.as_ref();
-    check_format(path, &bytes)?;
-    gltf::read(path, bytes, options)
+    let (mut scene, warnings) = match format_of(path, &bytes)? {
+        Format::Gltf => gltf::read(path, bytes, options),
+        Format::Mgf => mgf::read(path, &bytes, options),
+        Format::Obj => obj::read(path, &bytes, options),
+        Format::Ply => ply::read(path, &bytes, options),
+        Format::Stl => stl::read(path, &bytes, options),
+    }?;
+    to_metres(path, &mut scene, options)?;
+    Ok((scene, warnings))
 }
 
 /// Reads a GLB that was baked.
@@ -87,7 +109,10 @@ pub fn read_baked(path: impl AsRef<Path>) -> Result<BakedFile, FormatError> {
 /// As [`read_baked`].
 pub fn read_baked_bytes(path: impl AsRef<Path>, bytes: Vec<u8>) -> Result<BakedFile, FormatError> {
     let path = path.as_ref();
-    check_format(path, &bytes)?;
+    if format_of(path, &bytes)? != Format::Gltf {
+        let (file, place) = (path.display().to_string(), "the file".to_owned());
+        return Err(FormatError::NotBaked { file, place, what: "glTF document" });
+    }
     gltf::read_baked(path, bytes)
 }
 
@@ -95,21 +120,61 @@ fn read_file(path: &Path) -> Result<Vec<u8>, FormatError> {
     fs::read(path).map_err(|source| FormatError::Unreadable { file: path.display().to_string(), source })
 }
 
-/// Whether a file is glTF, by its beginning or by its name.
-fn check_format(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
+/// Takes a scene from the file's unit and axes to metres with Y up.
+fn to_metres(path: &Path, scene: &mut Scene, options: &ReadOptions) -> Result<(), FormatError> {
+    if options.unit_m == 1.0 && options.up == UpAxis::Y {
+        return Ok(());
+    }
+    for surface in &mut scene.surfaces {
+        for p in &mut surface.positions_m {
+            let upright = match options.up {
+                UpAxis::Y => *p,
+                UpAxis::Z => DVec3::new(p.x, p.z, -p.y),
+            };
+            *p = options.unit_m * upright;
+            if !p.is_finite() {
+                let (file, place) = (path.display().to_string(), "a corner, in metres".to_owned());
+                return Err(FormatError::NotFinite { file, place, value: p.to_string() });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The formats that can be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Gltf,
+    Mgf,
+    Obj,
+    Ply,
+    Stl,
+}
+
+/// Formats that their beginning does not tell, by ending.
+const BY_ENDING: [(&str, Format); 5] =
+    [("gltf", Format::Gltf), ("mgf", Format::Mgf), ("obj", Format::Obj), ("ply", Format::Ply), ("stl", Format::Stl)];
+
+/// The format of a file, by its beginning or by its name.
+fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, FormatError> {
     let file = path.display().to_string();
     if bytes.is_empty() {
         return Err(FormatError::Empty { file });
     }
     let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    let is_json = text.trim_ascii_start().first() == Some(&b'{');
-    if bytes.starts_with(&gltf::MAGIC) || is_json || ending == "gltf" {
-        return Ok(());
+    if bytes.starts_with(&gltf::MAGIC) || text.trim_ascii_start().first() == Some(&b'{') {
+        return Ok(Format::Gltf);
+    }
+    if ply::begins(bytes) {
+        return Ok(Format::Ply);
     }
     if ending == "glb" {
         let what = "it does not begin with the letters glTF".to_owned();
         return Err(FormatError::BadContainer { file, what });
+    }
+    if let Some((_, format)) = BY_ENDING.iter().find(|(known, _)| *known == ending) {
+        return Ok(*format);
     }
     let known = KNOWN_ELSEWHERE.iter().find(|(known, _)| *known == ending).map(|(_, name)| (*name).to_owned());
     let found = known.unwrap_or_else(|| match ending.as_str() {

@@ -34,12 +34,12 @@ pub enum Warning {
         /// How many uses of a texture in materials.
         uses: usize,
     },
-    /// Vertex colours other than white, which are not used yet.
-    VertexColoursIgnored {
+    /// Vertex colours that vary over a primitive: their average was taken.
+    VertexColoursAveraged {
         /// How many primitives.
         primitives: usize,
     },
-    /// Materials with `alphaMode` MASK or BLEND: taken as opaque.
+    /// Materials that are cut out by a texture (`alphaMode` MASK) or half transparent (OBJ `d`): taken as opaque.
     AlphaIgnored {
         /// How many materials.
         materials: usize,
@@ -69,6 +69,83 @@ pub enum Warning {
         /// How many nodes.
         nodes: usize,
     },
+    /// Polygons of materials that are fully transparent or blended (`alphaMode` BLEND), which block nothing: left out.
+    TransparentLeftOut {
+        /// How many polygons.
+        polygons: usize,
+    },
+    /// Polygons with fewer than three corners: left out.
+    TooFewCorners {
+        /// How many polygons.
+        polygons: usize,
+    },
+    /// Polygons without a material: taken as grey, reflectance 0.5, under the name `default`.
+    WithoutMaterial {
+        /// How many polygons.
+        polygons: usize,
+    },
+    /// Materials that are used and nowhere defined: taken as grey, reflectance 0.5, under their names.
+    MaterialsMissing {
+        /// How many materials.
+        materials: usize,
+        /// The first of them.
+        first: String,
+    },
+    /// A material library that could not be read.
+    MaterialLibraryMissing {
+        /// The library, as the scene names it.
+        library: String,
+        /// Why it could not be read.
+        why: String,
+        /// The library that was read instead: the one that is named like the scene.
+        replaced_by: Option<String>,
+    },
+    /// Vertices with a colour, which is not used.
+    ColouredVertices {
+        /// How many vertices.
+        vertices: usize,
+    },
+    /// Statements of a text, or elements of a mesh, that are not known: ignored.
+    UnknownStatements {
+        /// How many statements.
+        statements: usize,
+        /// Their kinds in the order in which they first came, the first few only.
+        kinds: Vec<String>,
+    },
+    /// Materials with gloss (MGF `rs`), which takes no part: the diffuse part was taken.
+    GlossIgnored {
+        /// How many materials.
+        materials: usize,
+    },
+    /// Materials that let light through (MGF `td`, `ts`): taken as opaque.
+    TransmissionIgnored {
+        /// How many materials.
+        materials: usize,
+    },
+    /// Colours that no mixture of red, green and blue gives: taken as the nearest, equally bright.
+    ColoursOutOfGamut {
+        /// How many materials.
+        materials: usize,
+    },
+    /// Measured luminaires (MGF `ies`): left out; only surfaces give light.
+    LuminairesIgnored {
+        /// How many luminaires.
+        luminaires: usize,
+    },
+    /// Spheres, cylinders, cones, rings and tori: cut into plane polygons.
+    CurvesTessellated {
+        /// How many shapes.
+        shapes: usize,
+        /// Into how many polygons.
+        polygons: usize,
+        /// Chords of a full circle.
+        circle_segments: usize,
+    },
+    /// Contexts (MGF `xf`, `o`) that are never closed: taken to end with their file.
+    UnclosedContexts {
+        /// How many contexts.
+        contexts: usize,
+    },
     /// An extension that is not known: what it says was ignored.
     UnknownExtension {
         /// Its name.
@@ -96,8 +173,8 @@ impl fmt::Display for Warning {
             Self::TexturesIgnored { uses } => {
                 write!(f, "{} not used yet: the plain factors were taken", count(*uses, "texture"))
             }
-            Self::VertexColoursIgnored { primitives } => {
-                write!(f, "vertex colours not used yet in {}", count(*primitives, "primitive"))
+            Self::VertexColoursAveraged { primitives } => {
+                write!(f, "varying vertex colours averaged in {}", count(*primitives, "primitive"))
             }
             Self::AlphaIgnored { materials } => {
                 write!(f, "transparency ignored in {}: taken as opaque", count(*materials, "material"))
@@ -115,6 +192,54 @@ impl fmt::Display for Warning {
             Self::NodesOutsideScene { nodes } => {
                 write!(f, "{} outside the default scene left out", count(*nodes, "node"))
             }
+            Self::TransparentLeftOut { polygons } => {
+                write!(f, "{} left out: transparent, blocking nothing", count(*polygons, "polygon"))
+            }
+            Self::TooFewCorners { polygons } => {
+                write!(f, "{} with fewer than three corners left out", count(*polygons, "polygon"))
+            }
+            Self::WithoutMaterial { polygons } => {
+                write!(f, "{} without a material: taken as grey, by the name default", count(*polygons, "polygon"))
+            }
+            Self::MaterialsMissing { materials, first } => {
+                write!(f, "{} defined nowhere, the first {first:?}: taken as grey", count(*materials, "material"))
+            }
+            Self::MaterialLibraryMissing { library, why, replaced_by } => {
+                write!(f, "material library {library:?} {why}: ")?;
+                match replaced_by {
+                    Some(other) => write!(f, "{other:?} was read instead"),
+                    None => write!(f, "put it beside the scene"),
+                }
+            }
+            Self::ColouredVertices { vertices } => {
+                write!(f, "colours of {} not used", count(*vertices, "vertex|vertices"))
+            }
+            Self::UnknownStatements { statements, kinds } => {
+                write!(f, "{} ignored: {}", count(*statements, "unknown statement"), kinds.join(", "))
+            }
+            Self::GlossIgnored { materials } => {
+                write!(f, "gloss ignored in {}: the diffuse part was taken", count(*materials, "material"))
+            }
+            Self::TransmissionIgnored { materials } => {
+                write!(f, "light passes through {}: taken as opaque", count(*materials, "material"))
+            }
+            Self::ColoursOutOfGamut { materials } => {
+                write!(f, "colours of {} cannot be had from red, green and blue: taken as the nearest", {
+                    count(*materials, "material")
+                })
+            }
+            Self::LuminairesIgnored { luminaires } => {
+                write!(f, "{} left out: only surfaces give light", count(*luminaires, "measured luminaire"))
+            }
+            Self::CurvesTessellated { shapes, polygons, circle_segments } => write!(
+                f,
+                "{} cut into {}, {circle_segments} to a circle",
+                count(*shapes, "curved shape"),
+                count(*polygons, "plane polygon")
+            ),
+            Self::UnclosedContexts { contexts } => {
+                write!(f, "{} never closed: taken to end with the file", count(*contexts, "context"))
+            }
             Self::UnknownExtension { name, required: true } => {
                 write!(f, "extension {name} is not known and ignored, though the file requires it: check the result")
             }
@@ -123,9 +248,43 @@ impl fmt::Display for Warning {
     }
 }
 
-/// `1 node`, `2 nodes`.
+/// `1 node`, `2 nodes`; a plural that is more than an `s` stands after a bar.
 fn count(n: usize, noun: &str) -> String {
-    if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
+    match (n, noun.split_once('|')) {
+        (1, Some((one, _))) => format!("1 {one}"),
+        (1, None) => format!("1 {noun}"),
+        (_, Some((_, many))) => format!("{n} {many}"),
+        (_, None) => format!("{n} {noun}s"),
+    }
+}
+
+/// Kinds of unknown statements that a warning names.
+const NAMED_KINDS: usize = 8;
+
+/// Counts unknown statements.
+#[derive(Debug, Default)]
+pub(crate) struct Unknown {
+    statements: usize,
+    kinds: Vec<String>,
+}
+
+impl Unknown {
+    /// One more of a kind.
+    pub(crate) fn add(&mut self, kind: &str) {
+        self.statements += 1;
+        if self.kinds.len() < NAMED_KINDS {
+            let kind = crate::text::shortened(kind);
+            if !self.kinds.contains(&kind) {
+                self.kinds.push(kind);
+            }
+        }
+    }
+
+    /// The warning, if there were any.
+    pub(crate) fn warning(self) -> Option<Warning> {
+        let Self { statements, kinds } = self;
+        (statements > 0).then_some(Warning::UnknownStatements { statements, kinds })
+    }
 }
 
 #[cfg(test)]
@@ -136,5 +295,6 @@ mod tests {
     fn a_message_counts() {
         assert_eq!(Warning::SkinsAtRest { nodes: 1 }.to_string(), "1 node with a skin taken in rest pose");
         assert!(Warning::TexturesIgnored { uses: 3 }.to_string().starts_with("3 textures not used"));
+        assert!(Warning::ColouredVertices { vertices: 2 }.to_string().contains("2 vertices"));
     }
 }

@@ -256,7 +256,8 @@ fn the_cap_is_an_option_and_counts_the_default_material_once() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("white room.glb");
     std::fs::write(&path, build.glb()).unwrap();
-    let (scene, warnings) = read_scene_with(&path, &ReadOptions { max_reflectance: 0.5 }).unwrap();
+    let (scene, warnings) =
+        read_scene_with(&path, &ReadOptions { max_reflectance: 0.5, ..ReadOptions::default() }).unwrap();
     assert_eq!(scene.name, "white room");
     assert_eq!(scene.materials.len(), 1);
     assert_eq!(scene.materials.raw[0].reflectance, Rgb::splat(0.5));
@@ -268,7 +269,7 @@ fn what_is_not_used_is_counted() {
     let mut build = Build::triangle();
     build.json["extensionsUsed"] = json!(["FOO_bar", "FOO_baz", "KHR_materials_specular"]);
     build.json["extensionsRequired"] = json!(["FOO_bar"]);
-    build.json["materials"] = json!([{"alphaMode": "BLEND", "emissiveTexture": {"index": 0},
+    build.json["materials"] = json!([{"alphaMode": "MASK", "emissiveTexture": {"index": 0},
         "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1], "baseColorTexture": {"index": 0}}}]);
     build.json["meshes"][0]["primitives"][0]["material"] = json!(0);
     build.json["meshes"][0]["primitives"][0]["targets"] = json!([{}]);
@@ -297,13 +298,51 @@ fn what_is_not_used_is_counted() {
 }
 
 #[test]
-fn only_vertex_colours_that_are_not_white_are_warned_of() {
-    for (colours, warned) in [([[1.0; 3]; 3], false), ([[1.0, 1.0, 0.5]; 3], true)] {
+fn vertex_colours_multiply_the_reflectance() {
+    let varying = [[1.0, 1.0, 1.0], [0.4, 1.0, 0.1], [1.0, 0.1, 0.1]];
+    for (colours, expected, varies) in [
+        ([[1.0; 3]; 3], Rgb::splat(0.9), false),
+        ([[1.0, 0.5, 0.0]; 3], Rgb::new(0.9, 0.45, 0.0), false),
+        (varying, 0.9 * Rgb::new(0.8, 0.7, 0.4), true),
+        ([[f32::NAN, 7.0, -1.0]; 3], Rgb::new(0.0, 0.9, 0.0), false),
+    ] {
         let mut build = Build::triangle();
         let colour = build.floats(&colours);
         build.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(colour);
-        let (_, warnings) = build.read().unwrap();
-        assert_eq!(warnings.contains(&Warning::VertexColoursIgnored { primitives: 1 }), warned, "{warnings:?}");
+        build.json["materials"] = json!([{"name": "wall"}]);
+        build.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+        let (scene, warnings) = build.read().unwrap();
+        let material = &scene.materials[scene.surfaces.raw[0].material];
+        assert!((material.reflectance - expected).length() < 1e-6, "{material:?}");
+        assert_eq!(material.name, "wall");
+        assert_eq!(warnings.contains(&Warning::VertexColoursAveraged { primitives: 1 }), varies, "{warnings:?}");
+    }
+}
+
+#[test]
+fn what_is_blended_blocks_nothing_and_what_is_masked_blocks_whole() {
+    for (material, polygons, warning) in [
+        (json!({"alphaMode": "BLEND"}), 1, None),
+        (
+            json!({"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 0.5]}}),
+            0,
+            Some(Warning::TransparentLeftOut { polygons: 1 }),
+        ),
+        (
+            json!({"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}),
+            0,
+            Some(Warning::TransparentLeftOut { polygons: 1 }),
+        ),
+        (json!({"alphaMode": "MASK"}), 1, Some(Warning::AlphaIgnored { materials: 1 })),
+        (json!({"alphaMode": "OPAQUE"}), 1, None),
+    ] {
+        let mut build = Build::triangle();
+        build.json["materials"] = json!([material]);
+        build.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+        let (scene, warnings) = build.read().unwrap();
+        assert_eq!(scene.polygon_count(), polygons, "{material}");
+        let of_alpha = |w: &&Warning| matches!(w, Warning::AlphaIgnored { .. } | Warning::TransparentLeftOut { .. });
+        assert_eq!(warnings.iter().find(of_alpha), warning.as_ref(), "{material}");
     }
 }
 

@@ -32,6 +32,26 @@ pub(super) fn materials(
     .collect()
 }
 
+/// Whether a material blocks nothing: it is blended (`alphaMode` BLEND), and not opaque all the same. Exporters write BLEND
+/// for much that has neither an alpha below 1 nor a texture that could have one.
+pub(super) fn is_transparent(item: &Item<'_>) -> Result<bool, FormatError> {
+    if item.text("alphaMode")? != Some("BLEND") {
+        return Ok(false);
+    }
+    let metallic = item.child("pbrMetallicRoughness")?;
+    let glossy = item.extension("KHR_materials_pbrSpecularGlossiness")?;
+    for (holder, factor, texture) in
+        [(glossy, "diffuseFactor", "diffuseTexture"), (metallic, "baseColorFactor", "baseColorTexture")]
+    {
+        let Some(holder) = holder else { continue };
+        let [.., alpha] = holder.numbers::<4>(factor)?.unwrap_or([1.0; 4]);
+        if alpha < 1.0 || holder.get(texture).is_some() {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
 /// What glTF gives a primitive without a material: white, here up to the cap.
 pub(super) fn default(max_reflectance: f64, tally: &mut Tally) -> Material {
     Material::diffuse("default", capped(Rgb::ONE, max_reflectance, tally))
@@ -69,7 +89,7 @@ fn read(item: &Item<'_>, name: String, max_reflectance: f64, tally: &mut Tally) 
         };
         tally.textures += slots.iter().filter(|slot| holder.as_ref().is_some_and(|h| h.get(slot).is_some())).count();
     }
-    tally.alpha_materials += usize::from(!matches!(item.text("alphaMode")?, None | Some("OPAQUE")));
+    tally.masked_materials += usize::from(item.text("alphaMode")? == Some("MASK"));
 
     let reflectance = capped(base.unwrap_or(Rgb::ONE), max_reflectance, tally);
     Ok(Material { name, reflectance, radiance, double_sided: item.flag("doubleSided")? })
@@ -83,6 +103,11 @@ fn colour<const N: usize>(item: &Item<'_>, key: &str) -> Result<Option<Rgb>, For
         return Err(item.bad(key, format!("is {colour}, and should not be negative")));
     }
     Ok(Some(colour))
+}
+
+/// A material times the colour of the vertices.
+pub(super) fn tinted(material: &Material, colour: Rgb) -> Material {
+    Material { reflectance: material.reflectance * colour, ..material.clone() }
 }
 
 fn capped(colour: Rgb, max_reflectance: f64, tally: &mut Tally) -> Rgb {

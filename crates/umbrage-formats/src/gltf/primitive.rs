@@ -4,6 +4,7 @@
 //! primitives share one table. Triangles without area are left for `prepare`, which counts them.
 
 use glam::{DAffine3, DVec3};
+use umbrage::scene::Rgb;
 
 use super::accessor::{Accessor, Component};
 use super::document::{Document, compressed};
@@ -29,6 +30,8 @@ pub(super) struct Polygons {
     pub(super) positions_m: Vec<DVec3>,
     /// Indices into the positions, counter-clockwise seen from the front.
     pub(super) triangles: Vec<[u32; 3]>,
+    /// What the colours of the vertices multiply the reflectance with.
+    pub(super) colour: Rgb,
 }
 
 /// A primitive's polygons in the world, or nothing if it has none. `place` names node, mesh and primitive.
@@ -59,18 +62,44 @@ pub(super) fn polygons(
     used.sort_unstable();
     used.dedup();
     tally.morphed_primitives += usize::from(primitive.get("targets").is_some());
-    if let Some(colour) = attributes.as_ref().map(|a| a.whole("COLOR_0")).transpose()?.flatten() {
-        let colours = Accessor::open(document, colour, &format!("{place}, COLOR_0"), &[3, 4], &COLOURS)?;
-        tally.unfold(colours.sparse_count(), document, place)?;
-        tally.vertex_colours += usize::from(!all_white(&colours, &used));
+    let colours = attributes.as_ref().map(|a| a.whole("COLOR_0")).transpose()?.flatten();
+    let colours = match colours {
+        Some(colour) => {
+            let colours = Accessor::open(document, colour, &format!("{place}, COLOR_0"), &[3, 4], &COLOURS)?;
+            tally.unfold(colours.sparse_count(), document, place)?;
+            Some(colours)
+        }
+        None => None,
+    };
+    let mut polygons = place_in_world(document, &positions, &used, triangles, world)?;
+    if let Some(colours) = colours {
+        polygons.colour = average_colour(&colours, &used, &polygons, tally);
     }
-    place_in_world(document, &positions, &used, triangles, world).map(Some)
+    Ok(Some(polygons))
 }
 
-/// Whether colours change nothing.
-fn all_white(colours: &Accessor<'_>, used: &[u32]) -> bool {
-    used.iter()
-        .all(|&vertex| (vertex as usize) < colours.count && colours.element::<3>(vertex as usize, 1.0) == [1.0; 3])
+/// The colour of a primitive's vertices, averaged over its area where it varies. Channels are cut to 0 to 1.
+fn average_colour(colours: &Accessor<'_>, used: &[u32], polygons: &Polygons, tally: &mut Tally) -> Rgb {
+    let of_vertex = |vertex: u32| {
+        let vertex = vertex as usize;
+        let colour = if vertex < colours.count { colours.element::<3>(vertex, 1.0) } else { [1.0; 3] };
+        Rgb::from(colour.map(|channel| if channel.is_nan() { 0.0 } else { channel.clamp(0.0, 1.0) }))
+    };
+    let all: Vec<Rgb> = used.iter().map(|&vertex| of_vertex(vertex)).collect();
+    let Some(&first) = all.first() else { return Rgb::ONE };
+    if all.iter().all(|&colour| colour == first) {
+        return first;
+    }
+    tally.varying_colours += 1;
+    let (mut sum, mut total) = (Rgb::ZERO, 0.0);
+    for triangle in &polygons.triangles {
+        let [a, b, c] = triangle.map(|i| polygons.positions_m[i as usize]);
+        let area = (b - a).cross(c - a).length();
+        let colour: Rgb = triangle.iter().map(|&i| all[i as usize]).sum();
+        sum += area * colour / 3.0;
+        total += area;
+    }
+    if total > 0.0 && sum.is_finite() { (sum / total).min(Rgb::ONE) } else { first }
 }
 
 /// A primitive's triangles as numbers of its vertices, turned over if `mirrored`. Points and lines have none.
@@ -162,5 +191,5 @@ fn place_in_world(
         // Every vertex is in the list, which is no longer than the vertices, whose numbers fit.
         *vertex = used.partition_point(|other| other < vertex) as u32;
     }
-    Ok(Polygons { positions_m, triangles })
+    Ok(Polygons { positions_m, triangles, colour: Rgb::ONE })
 }

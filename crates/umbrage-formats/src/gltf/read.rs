@@ -1,12 +1,14 @@
 //! A glTF's default scene as a [`Scene`].
 //!
 //! Every node of the scene is kept. Every primitive with triangles becomes a [`Surface`] of its own, once for every node
-//! that shows its mesh, already in world space. Units stay as glTF has them: metres, +Y up, linear colours.
+//! that shows its mesh, already in world space. Colours of vertices multiply the reflectance, as one colour for a primitive;
+//! what is blended (`alphaMode` BLEND) blocks nothing and is left out. Units stay as glTF has them: metres, +Y up, linear colours.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use umbrage::id::{MaterialId, NodeId};
-use umbrage::scene::{Node, Scene, Surface};
+use umbrage::scene::{Node, Rgb, Scene, Surface};
 
 use super::document::{Document, List};
 use super::item::Item;
@@ -53,6 +55,7 @@ pub(crate) fn read(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> Result
         tally,
         scene: Scene { name: scene_name(&document, path)?, ..Scene::default() },
         default_material: None,
+        tinted_materials: BTreeMap::new(),
     };
     let materials = material::materials(&document, options.max_reflectance, &mut reader.tally)?;
     reader.scene.materials.extend(materials);
@@ -74,6 +77,8 @@ struct Reader<'a> {
     scene: Scene,
     /// For primitives without a material, once there is one.
     default_material: Option<MaterialId>,
+    /// By material and the bits of the vertices' colour.
+    tinted_materials: BTreeMap<(MaterialId, [u64; 3]), MaterialId>,
 }
 
 impl Reader<'_> {
@@ -138,11 +143,16 @@ impl Reader<'_> {
             let Some(polygons) = polygons else { continue };
             let material = match primitive.whole("material")? {
                 Some(index) => {
-                    self.document.item(List::Materials, index, &place)?;
+                    let item = self.document.item(List::Materials, index, &place)?;
+                    if material::is_transparent(&item)? {
+                        self.tally.blended_polygons += polygons.triangles.len();
+                        continue;
+                    }
                     MaterialId::from(index)
                 }
                 None => self.default_material(),
             };
+            let material = self.tinted_material(material, polygons.colour);
             let polygon_lists = polygons.triangles.iter().map(|triangle| triangle.to_vec()).collect();
             self.scene.surfaces.push(Surface {
                 node,
@@ -152,6 +162,20 @@ impl Reader<'_> {
             });
         }
         Ok(())
+    }
+
+    /// The material for a primitive whose vertices have a colour; it keeps its name.
+    fn tinted_material(&mut self, material: MaterialId, colour: Rgb) -> MaterialId {
+        if colour == Rgb::ONE {
+            return material;
+        }
+        let key = (material, colour.to_array().map(f64::to_bits));
+        if let Some(&tinted) = self.tinted_materials.get(&key) {
+            return tinted;
+        }
+        let tinted = self.scene.materials.push_and_get_key(material::tinted(&self.scene.materials[material], colour));
+        self.tinted_materials.insert(key, tinted);
+        tinted
     }
 
     fn default_material(&mut self) -> MaterialId {

@@ -1,14 +1,8 @@
 //! What is counted while a glTF is read: the warnings, and the geometry that it unfolds into.
 
 use super::document::Document;
+use crate::builder::{CORNERS_PER_BYTE, FREE_CORNERS};
 use crate::{FormatError, Warning};
-
-/// Corners that any file may unfold into: some 250 MB of memory at most.
-const FREE_CORNERS: u64 = 4 << 20;
-
-/// Corners that a file may unfold into for each of its bytes. A plain file needs at most one; only nodes that show
-/// one mesh many times, or accessors without data, need more. The limit keeps memory proportional to the input.
-const CORNERS_PER_BYTE: u64 = 16;
 
 /// What a primitive takes in memory and time beside its corners, in corners.
 pub(super) const PRIMITIVE_COST: usize = 32;
@@ -21,8 +15,11 @@ pub(super) struct Tally {
     pub(super) no_positions: usize,
     pub(super) capped_materials: usize,
     pub(super) textures: usize,
-    pub(super) vertex_colours: usize,
-    pub(super) alpha_materials: usize,
+    pub(super) varying_colours: usize,
+    /// Materials with `alphaMode` MASK.
+    pub(super) masked_materials: usize,
+    /// Polygons of materials with `alphaMode` BLEND.
+    pub(super) blended_polygons: usize,
     pub(super) skinned_nodes: usize,
     pub(super) morphed_primitives: usize,
     pub(super) punctual_lights: usize,
@@ -57,8 +54,9 @@ impl Tally {
         warn(self.left_over_corners, |primitives| Warning::LeftOverCorners { primitives });
         warn(self.no_positions, |primitives| Warning::NoPositions { primitives });
         warn(self.textures, |uses| Warning::TexturesIgnored { uses });
-        warn(self.vertex_colours, |primitives| Warning::VertexColoursIgnored { primitives });
-        warn(self.alpha_materials, |materials| Warning::AlphaIgnored { materials });
+        warn(self.varying_colours, |primitives| Warning::VertexColoursAveraged { primitives });
+        warn(self.masked_materials, |materials| Warning::AlphaIgnored { materials });
+        warn(self.blended_polygons, |polygons| Warning::TransparentLeftOut { polygons });
         warn(self.skinned_nodes, |nodes| Warning::SkinsAtRest { nodes });
         warn(self.morphed_primitives, |primitives| Warning::MorphTargetsIgnored { primitives });
         warn(self.punctual_lights, |nodes| Warning::PunctualLightsIgnored { nodes });

@@ -124,3 +124,16 @@ pub(crate) fn polygons(scene: &Scene) -> Vec<Vec<[f64; 3]>> {
         .flat_map(|s| s.polygons.iter().map(|p| p.iter().map(|&i| s.positions_m[i as usize].to_array()).collect()))
         .collect()
 }
+
+/// All polygons with the names of their materials, sorted: what a scene shows, however it is divided.
+pub(crate) fn material_polygons(scene: &Scene) -> Vec<(String, String)> {
+    let mut all: Vec<(String, String)> = Vec::new();
+    for surface in &scene.surfaces {
+        for polygon in &surface.polygons {
+            let corners: Vec<_> = polygon.iter().map(|&i| surface.positions_m[i as usize].to_array()).collect();
+            all.push((scene.materials[surface.material].name.clone(), format!("{corners:?}")));
+        }
+    }
+    all.sort();
+    all
+}

@@ -25,6 +25,7 @@ mod merge;
 mod near;
 mod needed;
 mod node;
+mod shell;
 mod sides;
 mod soup;
 mod stages;
@@ -35,4 +36,5 @@ mod weld;
 
 pub use error::PrepareError;
 pub use face::{DirectedEdge, Edge, Face, Facing, PrepareReport, Prepared, PreparedError, Side};
+pub use shell::{Shells, shells};
 pub use stages::prepare;

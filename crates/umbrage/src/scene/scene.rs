@@ -49,8 +49,15 @@ pub enum SceneError {
     #[error("the scene has no polygons: nothing can be baked")]
     Empty,
     /// No polygon emits light.
-    #[error("no surface emits light: give a material an emissive colour (glTF: emissiveFactor), else all is black")]
-    Lightless,
+    #[error(
+        "no surface emits light: give a material an emissive colour in the file (glTF: emissiveFactor, OBJ: Ke, MGF: ed), \
+         with --emit MATERIAL=r,g,b, or with a TOML beside the scene (SCENE.umbrage.toml or --materials FILE); its \
+         materials are {known}"
+    )]
+    Lightless {
+        /// The names of its materials, the first few.
+        known: String,
+    },
     /// A coordinate is NaN or infinite.
     #[error("{place}: corner {corner} is at {position}, which is not a finite point: export the mesh again")]
     NotFinite {
@@ -148,7 +155,15 @@ impl Scene {
             }
         }
         let lit = self.surfaces.iter().any(|s| !s.polygons.is_empty() && self.materials[s.material].emits());
-        if lit { Ok(()) } else { Err(SceneError::Lightless) }
+        if lit { Ok(()) } else { Err(SceneError::Lightless { known: self.material_names() }) }
+    }
+
+    /// The names of the first few materials, for messages.
+    fn material_names(&self) -> String {
+        const LISTED: usize = 12;
+        let names: Vec<String> = self.materials.iter().take(LISTED).map(|m| format!("{:?}", m.name)).collect();
+        let more = if self.materials.len() > LISTED { ", ..." } else { "" };
+        names.join(", ") + more
     }
 }
 
@@ -171,7 +186,8 @@ mod tests {
     fn a_lightless_scene_is_refused() {
         let mut scene = cornell::cornell_box();
         scene.materials.iter_mut().for_each(|m| m.radiance = Rgb::ZERO);
-        assert_eq!(scene.validate(), Err(SceneError::Lightless));
+        let message = scene.validate().unwrap_err().to_string();
+        assert!(message.contains("--emit MATERIAL=r,g,b") && message.contains("\"red\", \"green\""), "{message}");
     }
 
     #[test]

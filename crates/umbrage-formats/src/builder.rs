@@ -1,0 +1,169 @@
+//! A scene under construction, for formats that list polygons one after the other.
+//!
+//! Polygons of one node and one material become one surface. What is built is charged to a budget that grows with the
+//! bytes of the input: a small file with repetitions cannot unfold into a scene that fills the memory.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use umbrage::id::{MaterialId, NodeId, SurfaceId};
+use umbrage::scene::{Material, Node, Rgb, Scene, Surface};
+
+use crate::{FormatError, ReadOptions, Warning};
+
+/// Reflectance of what has no material, or one that does not say: the grey of an average room.
+pub(crate) const DEFAULT_REFLECTANCE: f64 = 0.5;
+
+/// Corners that any file may unfold into: some 250 MB of memory at most.
+pub(crate) const FREE_CORNERS: u64 = 4 << 20;
+
+/// Corners that a file may unfold into for each of its bytes. A plain file needs at most one; only what is shown many
+/// times, or stands for many polygons, needs more. The limit keeps memory proportional to the input.
+pub(crate) const CORNERS_PER_BYTE: u64 = 16;
+
+/// What a node or a surface takes in memory beside its name, in corners.
+const OBJECT_COST: u64 = 16;
+
+/// What has been unfolded, in corners or whatever else takes as much memory or time.
+#[derive(Debug, Default)]
+pub(crate) struct Budget {
+    spent: u64,
+    input_bytes: u64,
+}
+
+impl Budget {
+    /// Says that `bytes` more have been read.
+    pub(crate) fn grow(&mut self, bytes: usize) {
+        self.input_bytes = self.input_bytes.saturating_add(bytes as u64);
+    }
+
+    /// Spends `corners`; an error if the input has not that many in it.
+    pub(crate) fn spend(&mut self, corners: u64, file: &str, place: impl Fn() -> String) -> Result<(), FormatError> {
+        self.spent = self.spent.saturating_add(corners);
+        let limit = FREE_CORNERS.saturating_add(CORNERS_PER_BYTE.saturating_mul(self.input_bytes));
+        if self.spent <= limit {
+            return Ok(());
+        }
+        Err(FormatError::TooLarge { file: file.to_owned(), place: place(), wanted: self.spent, limit })
+    }
+}
+
+/// A scene under construction.
+#[derive(Debug)]
+pub(crate) struct SceneBuilder {
+    scene: Scene,
+    surfaces: BTreeMap<(NodeId, MaterialId), SurfaceId>,
+    max_reflectance: f64,
+    capped_materials: usize,
+    /// What may still be built.
+    pub(crate) budget: Budget,
+}
+
+impl SceneBuilder {
+    /// An empty scene, from a file of so many bytes.
+    pub(crate) fn new(name: String, bytes: usize, options: &ReadOptions) -> Self {
+        let mut budget = Budget::default();
+        budget.grow(bytes);
+        Self {
+            scene: Scene { name, ..Scene::default() },
+            surfaces: BTreeMap::new(),
+            max_reflectance: options.max_reflectance.clamp(0.0, 1.0),
+            capped_materials: 0,
+            budget,
+        }
+    }
+
+    /// The scene's name.
+    pub(crate) fn name(&self) -> &str {
+        &self.scene.name
+    }
+
+    /// Adds a node, which is named like the mesh that it shows; `place` is told if there are too many.
+    pub(crate) fn node(
+        &mut self,
+        name: &str,
+        parent: Option<NodeId>,
+        file: &str,
+        place: impl Fn() -> String,
+    ) -> Result<NodeId, FormatError> {
+        self.budget.spend(OBJECT_COST + name.len() as u64 / 8, file, place)?;
+        let name = Some(name.to_owned());
+        Ok(self.scene.nodes.push_and_get_key(Node { name: name.clone(), parent, mesh_name: name }))
+    }
+
+    /// Adds a material, its reflectance capped.
+    pub(crate) fn material(&mut self, material: Material) -> MaterialId {
+        let cap = Rgb::splat(self.max_reflectance);
+        self.capped_materials += usize::from(material.reflectance.cmpgt(cap).any());
+        let reflectance = material.reflectance.min(cap);
+        self.scene.materials.push_and_get_key(Material { reflectance, ..material })
+    }
+
+    /// Adds the grey that stands for a missing material.
+    pub(crate) fn grey(&mut self, name: &str) -> MaterialId {
+        self.material(Material::diffuse(name, Rgb::splat(DEFAULT_REFLECTANCE)))
+    }
+
+    /// The surface of a material under a node.
+    pub(crate) fn surface(&mut self, node: NodeId, material: MaterialId) -> SurfaceId {
+        let surfaces = &mut self.scene.surfaces;
+        *self.surfaces.entry((node, material)).or_insert_with(|| {
+            surfaces.push_and_get_key(Surface { node, material, positions_m: Vec::new(), polygons: Vec::new() })
+        })
+    }
+
+    /// Adds a position to a surface; its number there.
+    pub(crate) fn position(&mut self, surface: SurfaceId, position_m: DVec3) -> u32 {
+        let positions = &mut self.scene.surfaces[surface].positions_m;
+        positions.push(position_m);
+        // The budget is spent long before: positions are of corners, and 2^32 corners take 256 MiB of input.
+        u32::try_from(positions.len() - 1).unwrap_or(u32::MAX)
+    }
+
+    /// Adds a polygon to a surface.
+    pub(crate) fn polygon(&mut self, surface: SurfaceId, corners: Vec<u32>) {
+        self.scene.surfaces[surface].polygons.push(corners);
+    }
+
+    /// The scene, and the warning of capped materials if there are any.
+    pub(crate) fn finish(self) -> (Scene, Option<Warning>) {
+        let capped = (self.capped_materials > 0).then_some(Warning::ReflectanceCapped {
+            materials: self.capped_materials,
+            max_reflectance: self.max_reflectance,
+        });
+        (self.scene, capped)
+    }
+}
+
+/// The name of a scene whose format has none: the file's without its ending.
+pub(crate) fn stem(path: &std::path::Path) -> String {
+    path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polygons_of_a_node_and_a_material_are_one_surface() {
+        let mut builder = SceneBuilder::new("room".into(), 0, &ReadOptions::default());
+        let node = builder.node("chair", None, "a.obj", String::new).unwrap();
+        let (wood, white) = (builder.grey("wood"), builder.material(Material::diffuse("white", Rgb::ONE)));
+        let first = builder.surface(node, wood);
+        assert_eq!(builder.surface(node, wood), first);
+        assert_ne!(builder.surface(node, white), first);
+        let (scene, capped) = builder.finish();
+        assert_eq!((scene.surfaces.len(), scene.name.as_str()), (2, "room"));
+        assert_eq!(capped, Some(Warning::ReflectanceCapped { materials: 1, max_reflectance: 0.9 }));
+    }
+
+    #[test]
+    fn a_budget_ends() {
+        let mut budget = Budget::default();
+        assert!(budget.spend(FREE_CORNERS, "a", String::new).is_ok());
+        assert!(matches!(budget.spend(1, "a", String::new), Err(FormatError::TooLarge { .. })));
+        budget.grow(1);
+        assert!(budget.spend(CORNERS_PER_BYTE - 1, "a", String::new).is_ok());
+        assert!(budget.spend(u64::MAX, "a", String::new).is_err());
+    }
+}

@@ -1,0 +1,176 @@
+//! The materials of an OBJ: those of its libraries, and greys for those that are nowhere.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use umbrage::id::MaterialId;
+use umbrage::scene::Material;
+
+use super::mtl::{self, MtlMaterial};
+use crate::builder::SceneBuilder;
+use crate::warning::Unknown;
+use crate::{FormatError, Warning, beside};
+
+/// The name of what stands for no material at all.
+const NO_MATERIAL: &str = "default";
+
+/// What a polygon's material is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Use {
+    /// A material of the scene.
+    Opaque(MaterialId),
+    /// Fully transparent: the polygon is left out.
+    Transparent,
+}
+
+/// All materials by name.
+#[derive(Debug, Default)]
+pub(super) struct Materials {
+    by_name: BTreeMap<String, Use>,
+    without: Option<MaterialId>,
+    missing: Vec<String>,
+    textures: usize,
+    half_transparent: usize,
+    warnings: Vec<Warning>,
+}
+
+/// Collects what `mtllib` statements name, each file once, later materials over earlier ones of the same name.
+#[derive(Debug)]
+pub(super) struct Libraries<'a> {
+    path: &'a Path,
+    read: BTreeSet<std::path::PathBuf>,
+    /// In the order in which they were first named.
+    materials: Vec<MtlMaterial>,
+    numbers: BTreeMap<String, usize>,
+    warnings: Vec<Warning>,
+}
+
+impl<'a> Libraries<'a> {
+    /// None yet, for the OBJ at `path`.
+    pub(super) fn new(path: &'a Path) -> Self {
+        Self { path, read: BTreeSet::new(), materials: Vec::new(), numbers: BTreeMap::new(), warnings: Vec::new() }
+    }
+
+    /// Reads what an `mtllib` statement names: one file, whose name may have spaces, else several.
+    ///
+    /// Files get renamed together with their libraries and the statement forgotten: if nothing is there, the library
+    /// that is named like the OBJ is taken.
+    pub(super) fn add(
+        &mut self,
+        names: &str,
+        builder: &mut SceneBuilder,
+        unknown: &mut Unknown,
+    ) -> Result<(), FormatError> {
+        let whole = self.file(names);
+        if whole.is_ok() || !names.contains(char::is_whitespace) {
+            return self.add_one(names, whole, builder, unknown);
+        }
+        for name in names.split_ascii_whitespace() {
+            let file = self.file(name);
+            self.add_one(name, file, builder, unknown)?;
+        }
+        Ok(())
+    }
+
+    /// The bytes of a library, and the path that they are from; nothing if it was read before.
+    fn file(&self, name: &str) -> Result<Option<(std::path::PathBuf, Vec<u8>)>, String> {
+        let relative = beside::relative_path(Path::new(""), name)?;
+        if self.read.contains(&relative) {
+            return Ok(None);
+        }
+        let bytes = beside::read_file(&beside::folder(self.path).join(&relative))?;
+        Ok(Some((relative, bytes)))
+    }
+
+    fn add_one(
+        &mut self,
+        name: &str,
+        file: Result<Option<(std::path::PathBuf, Vec<u8>)>, String>,
+        builder: &mut SceneBuilder,
+        unknown: &mut Unknown,
+    ) -> Result<(), FormatError> {
+        let why = match file {
+            Ok(None) => return Ok(()),
+            Ok(Some(file)) => return self.parse(file, builder, unknown),
+            Err(why) => why,
+        };
+        let own = self.path.with_extension("mtl").file_name().map(|own| own.to_string_lossy().into_owned());
+        let instead = own.and_then(|own| self.file(&own).ok().flatten());
+        let library = crate::text::shortened(name);
+        let replaced_by = instead.as_ref().map(|(path, _)| path.display().to_string());
+        let warning = Warning::MaterialLibraryMissing { library, why, replaced_by };
+        if !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
+        }
+        instead.map_or(Ok(()), |file| self.parse(file, builder, unknown))
+    }
+
+    fn parse(
+        &mut self,
+        (relative, bytes): (std::path::PathBuf, Vec<u8>),
+        builder: &mut SceneBuilder,
+        unknown: &mut Unknown,
+    ) -> Result<(), FormatError> {
+        builder.budget.grow(bytes.len());
+        let file = beside::folder(self.path).join(&relative).display().to_string();
+        for material in mtl::read(&file, &bytes, |word| unknown.add(word))? {
+            let next = self.materials.len();
+            match *self.numbers.entry(material.name.clone()).or_insert(next) {
+                number if number < next => self.materials[number] = material,
+                _ => self.materials.push(material),
+            }
+        }
+        self.read.insert(relative);
+        Ok(())
+    }
+}
+
+impl Materials {
+    /// The materials of the libraries, in their order.
+    pub(super) fn new(libraries: Libraries<'_>, builder: &mut SceneBuilder) -> Self {
+        let mut materials = Self { warnings: libraries.warnings, ..Self::default() };
+        for material in libraries.materials {
+            let MtlMaterial { name, reflectance, radiance, opacity, textures, .. } = material;
+            materials.textures += textures;
+            if opacity <= 0.0 {
+                materials.by_name.insert(name, Use::Transparent);
+                continue;
+            }
+            materials.half_transparent += usize::from(opacity < 1.0);
+            let made = Material { name: name.clone(), reflectance, radiance, double_sided: false };
+            materials.by_name.insert(name, Use::Opaque(builder.material(made)));
+        }
+        materials
+    }
+
+    /// What `usemtl` with this name means.
+    pub(super) fn named(&mut self, name: &str, builder: &mut SceneBuilder) -> Use {
+        if let Some(&found) = self.by_name.get(name) {
+            return found;
+        }
+        let grey = Use::Opaque(builder.grey(name));
+        self.by_name.insert(name.to_owned(), grey);
+        self.missing.push(name.to_owned());
+        grey
+    }
+
+    /// What polygons before the first `usemtl` have.
+    pub(super) fn none(&mut self, builder: &mut SceneBuilder) -> Use {
+        Use::Opaque(*self.without.get_or_insert_with(|| builder.grey(NO_MATERIAL)))
+    }
+
+    /// What there is to say of them.
+    pub(super) fn warnings(self) -> Vec<Warning> {
+        let mut warnings = self.warnings;
+        if let Some(first) = self.missing.first() {
+            warnings.push(Warning::MaterialsMissing { materials: self.missing.len(), first: first.clone() });
+        }
+        if self.textures > 0 {
+            warnings.push(Warning::TexturesIgnored { uses: self.textures });
+        }
+        if self.half_transparent > 0 {
+            warnings.push(Warning::AlphaIgnored { materials: self.half_transparent });
+        }
+        warnings
+    }
+}

@@ -1,0 +1,250 @@
+//! An OBJ as a [`Scene`]: polygons of any number of corners, as they stand.
+//!
+//! `o` and `g` become nodes, a group below its object; what stands in neither hangs from a node that is named like the
+//! file. The first pass takes the vertices and materials, the second the polygons, so that a polygon may come before its
+//! corners. Normals and texture coordinates are left; a face's front is where its corners run counter-clockwise. Units
+//! are the caller's to say; nothing in an OBJ does.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glam::DVec3;
+use umbrage::id::{NodeId, SurfaceId};
+use umbrage::scene::Scene;
+
+use super::material::{Libraries, Materials, Use};
+use crate::builder::{self, SceneBuilder};
+use crate::text::{Cursor, EXPORT_AGAIN, Place, keyword, words};
+use crate::warning::Unknown;
+use crate::{FormatError, ReadOptions, Warning};
+
+/// Reads an OBJ whose bytes are given.
+pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Scene, Vec<Warning>), FormatError> {
+    let file = path.display().to_string();
+    let mut builder = SceneBuilder::new(builder::stem(path), bytes.len(), options);
+    let mut unknown = Unknown::default();
+    let mut libraries = Libraries::new(path);
+    let mut vertices = Vec::new();
+    let mut coloured_vertices = 0;
+
+    let mut cursor = Cursor::default();
+    while let Some(line) = cursor.next_line(bytes, false) {
+        let place = Place { file: &file, line: line.number };
+        match keyword(&line.text) {
+            ("v", rest) => {
+                let (position, coloured) = vertex(place, rest)?;
+                vertices.push(position);
+                coloured_vertices += usize::from(coloured);
+            }
+            ("mtllib", names) => libraries.add(names, &mut builder, &mut unknown)?,
+            _ => {}
+        }
+    }
+
+    let materials = Materials::new(libraries, &mut builder);
+    let mut reader = Reader {
+        file: &file,
+        placed: vec![(SurfaceId::from(0), u32::MAX); vertices.len()],
+        vertices,
+        seen: 0,
+        builder,
+        materials,
+        material: None,
+        object: String::new(),
+        group: String::new(),
+        nodes: BTreeMap::new(),
+        node: None,
+        tally: Tally::default(),
+    };
+    let mut cursor = Cursor::default();
+    while let Some(line) = cursor.next_line(bytes, false) {
+        reader.statement(Place { file: &file, line: line.number }, &line.text, &mut unknown)?;
+    }
+    let Reader { builder, materials, tally, .. } = reader;
+    let (scene, capped) = builder.finish();
+    let mut warnings = tally.warnings(coloured_vertices);
+    warnings.extend(materials.warnings());
+    warnings.extend(capped);
+    warnings.extend(unknown.warning());
+    Ok((scene, warnings))
+}
+
+/// A vertex, and whether it has a colour (x y z r g b), which is not in the format but found.
+fn vertex(place: Place<'_>, rest: &str) -> Result<(DVec3, bool), FormatError> {
+    let mut words = words(rest);
+    let mut position = DVec3::ZERO;
+    for i in 0..3 {
+        let word = words.next();
+        let word = word.ok_or_else(|| place.bad(format!("a vertex has {i} coordinates, and needs 3"), EXPORT_AGAIN))?;
+        position[i] = place.number(word)?;
+    }
+    Ok((position, words.count() >= 3))
+}
+
+/// What is counted for warnings.
+#[derive(Debug, Default)]
+struct Tally {
+    points_and_lines: usize,
+    too_few_corners: usize,
+    transparent: usize,
+    without_material: usize,
+}
+
+impl Tally {
+    fn warnings(&self, coloured_vertices: usize) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        let mut warn = |count: usize, warning: fn(usize) -> Warning| {
+            if count > 0 {
+                warnings.push(warning(count));
+            }
+        };
+        warn(self.points_and_lines, |primitives| Warning::PointsAndLines { primitives });
+        warn(self.too_few_corners, |polygons| Warning::TooFewCorners { polygons });
+        warn(self.transparent, |polygons| Warning::TransparentLeftOut { polygons });
+        warn(self.without_material, |polygons| Warning::WithoutMaterial { polygons });
+        warn(coloured_vertices, |vertices| Warning::ColouredVertices { vertices });
+        warnings
+    }
+}
+
+/// The second pass.
+struct Reader<'a> {
+    file: &'a str,
+    vertices: Vec<DVec3>,
+    /// The surface that took each vertex last, and its number there.
+    placed: Vec<(SurfaceId, u32)>,
+    /// Vertices before the current line, from which negative numbers count back.
+    seen: usize,
+    builder: SceneBuilder,
+    materials: Materials,
+    /// `None` before the first `usemtl`.
+    material: Option<Use>,
+    object: String,
+    group: String,
+    /// By object and group.
+    nodes: BTreeMap<(String, String), NodeId>,
+    /// The current one, once there is a polygon for it.
+    node: Option<NodeId>,
+    tally: Tally,
+}
+
+impl Reader<'_> {
+    fn statement(&mut self, place: Place<'_>, text: &str, unknown: &mut Unknown) -> Result<(), FormatError> {
+        match keyword(text) {
+            ("v", _) => self.seen += 1,
+            ("f" | "fo", rest) => self.face(place, rest)?,
+            ("usemtl", name) => self.material = Some(self.materials.named(name, &mut self.builder)),
+            ("o", name) => {
+                (self.object, self.group, self.node) = (name.to_owned(), String::new(), None);
+            }
+            ("g", name) => (self.group, self.node) = (name.to_owned(), None),
+            ("p" | "l", _) => self.tally.points_and_lines += 1,
+            // What concerns smoothness and textures only, and what the first pass took.
+            ("vn" | "vt" | "s" | "mtllib", _) => {}
+            (word, _) if word.starts_with('#') => {}
+            (word, _) => unknown.add(word),
+        }
+        Ok(())
+    }
+
+    fn face(&mut self, place: Place<'_>, rest: &str) -> Result<(), FormatError> {
+        let corners = words(rest).map(|word| self.vertex_number(place, word)).collect::<Result<Vec<_>, _>>()?;
+        self.builder.budget.spend(corners.len() as u64, self.file, || place.name())?;
+        if corners.len() < 3 {
+            self.tally.too_few_corners += 1;
+            return Ok(());
+        }
+        let material = match self.material.unwrap_or_else(|| {
+            self.tally.without_material += 1;
+            self.materials.none(&mut self.builder)
+        }) {
+            Use::Opaque(material) => material,
+            Use::Transparent => {
+                self.tally.transparent += 1;
+                return Ok(());
+            }
+        };
+        let node = self.node(place)?;
+        let surface = self.builder.surface(node, material);
+        let corners = corners.into_iter().map(|vertex| {
+            let position = self.vertices[vertex];
+            if !position.is_finite() {
+                let (file, value) = (self.file.to_owned(), position.to_string());
+                let place = format!("{}, vertex {}", place.name(), vertex + 1);
+                return Err(FormatError::NotFinite { file, place, value });
+            }
+            if self.placed[vertex].0 != surface || self.placed[vertex].1 == u32::MAX {
+                self.placed[vertex] = (surface, self.builder.position(surface, position));
+            }
+            Ok(self.placed[vertex].1)
+        });
+        let corners = corners.collect::<Result<_, _>>()?;
+        self.builder.polygon(surface, corners);
+        Ok(())
+    }
+
+    /// The vertex of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, from 0. Negative numbers count back from the line.
+    fn vertex_number(&self, place: Place<'_>, word: &str) -> Result<usize, FormatError> {
+        let digits = word.split('/').next().unwrap_or_default();
+        let number: i64 = digits.parse().map_err(|_| {
+            let word = crate::text::shortened(word);
+            place.bad(format!("{word:?} is not a corner of a face"), EXPORT_AGAIN)
+        })?;
+        let index = if number < 0 {
+            // Numbers of vertices are far from the bounds of i64.
+            (self.seen as i64).checked_add(number)
+        } else {
+            number.checked_sub(1)
+        };
+        match index.and_then(|index| usize::try_from(index).ok()) {
+            Some(index) if index < self.vertices.len() => Ok(index),
+            Some(_) => Err(FormatError::BadIndex {
+                file: self.file.to_owned(),
+                place: place.name(),
+                index: number.unsigned_abs(),
+                count: self.vertices.len(),
+            }),
+            None => Err(place.bad(
+                format!("refers to vertex {number}, and there are {} before it", self.seen),
+                "vertices count from 1, or from -1 back: export the file again",
+            )),
+        }
+    }
+
+    /// The node of the current object and group.
+    fn node(&mut self, place: Place<'_>) -> Result<NodeId, FormatError> {
+        if let Some(node) = self.node {
+            return Ok(node);
+        }
+        let (object, group) = (self.object.clone(), self.group.clone());
+        let node = match (object.is_empty(), group.is_empty()) {
+            (true, true) => {
+                let name = self.builder.name().to_owned();
+                self.named_node((object, group), &name, None, place)?
+            }
+            (false, true) => self.named_node((object.clone(), group), &object, None, place)?,
+            (true, false) => self.named_node((object, group.clone()), &group, None, place)?,
+            (false, false) => {
+                let above = self.named_node((object.clone(), String::new()), &object, None, place)?;
+                self.named_node((object, group.clone()), &group, Some(above), place)?
+            }
+        };
+        self.node = Some(node);
+        Ok(node)
+    }
+
+    fn named_node(
+        &mut self,
+        key: (String, String),
+        name: &str,
+        parent: Option<NodeId>,
+        place: Place<'_>,
+    ) -> Result<NodeId, FormatError> {
+        if let Some(&node) = self.nodes.get(&key) {
+            return Ok(node);
+        }
+        let node = self.builder.node(name, parent, self.file, || place.name())?;
+        self.nodes.insert(key, node);
+        Ok(node)
+    }
+}

@@ -1,0 +1,348 @@
+//! What the user says of materials beside what the file says: emission, reflectance, sides, by name.
+//!
+//! Files from elsewhere seldom have lamps that give light. A TOML beside the scene, or options of a command, say it:
+//!
+//! ```toml
+//! [materials.lamp]
+//! emission = [12, 11, 9]      # radiance in W/(m2 sr); one number is for red, green and blue
+//! reflectance = 0.5           # share of light, 0 to 1
+//! double_sided = true
+//! ```
+//! A name that the scene has not is an error, which names the most similar one: a lamp that silently stays dark would be
+//! worse. All materials of a name change; what is said later wins.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use toml::{Table, Value};
+use umbrage::scene::{Rgb, Scene};
+
+use crate::{FormatError, Warning};
+
+/// What a message calls the options of a command.
+const OPTIONS: &str = "the options";
+
+/// Names of materials that a message lists.
+const LISTED_NAMES: usize = 40;
+
+/// Names that differ by more than this are not suggested: 0 is nothing in common, 1 is equal.
+const LEAST_SIMILARITY: f64 = 0.4;
+
+/// A material's name and a colour, as `MATERIAL=r,g,b` or `MATERIAL=grey`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaterialColour {
+    /// The material's name; it may have `=` in it.
+    pub material: String,
+    /// Red, green and blue, linear, finite and not negative.
+    pub colour: Rgb,
+}
+
+impl FromStr for MaterialColour {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let form = "must be MATERIAL=r,g,b or MATERIAL=x, as in lamp=12,11,9";
+        let (material, colour) = text.rsplit_once('=').ok_or(form)?;
+        let numbers: Option<Vec<f64>> = colour.split(',').map(|number| number.trim().parse().ok()).collect();
+        let colour = match numbers.as_deref() {
+            Some(&[grey]) => Rgb::splat(grey),
+            Some(&[red, green, blue]) => Rgb::new(red, green, blue),
+            _ => return Err(form.into()),
+        };
+        check(colour)?;
+        Ok(Self { material: material.to_owned(), colour })
+    }
+}
+
+fn check(colour: Rgb) -> Result<(), String> {
+    if colour.is_finite() && colour.min_element() >= 0.0 {
+        Ok(())
+    } else {
+        Err("must be finite and not negative".into())
+    }
+}
+
+fn check_share(colour: Rgb) -> Result<(), String> {
+    check(colour)?;
+    if colour.max_element() <= 1.0 { Ok(()) } else { Err("must be at most 1, as it is a share of the light".into()) }
+}
+
+/// A change to the materials of one name.
+#[derive(Clone, Debug, PartialEq)]
+struct Override {
+    /// Where it is from: a file, or the options.
+    from: String,
+    material: String,
+    change: Change,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Change {
+    Emission(Rgb),
+    Reflectance(Rgb),
+    DoubleSided(bool),
+}
+
+/// Changes to materials, in the order in which they are made.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overrides {
+    list: Vec<Override>,
+}
+
+impl Overrides {
+    /// The file that goes with a scene if it exists: `room.umbrage.toml` beside `room.glb`.
+    pub fn path_beside(scene: impl AsRef<Path>) -> PathBuf {
+        scene.as_ref().with_extension("umbrage.toml")
+    }
+
+    /// Reads a TOML as the head of this file has it.
+    ///
+    /// # Errors
+    /// A [`FormatError`] that names the file and the line or the entry.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, FormatError> {
+        let file = path.as_ref().display().to_string();
+        let text = fs::read_to_string(path).map_err(|source| FormatError::Unreadable { file: file.clone(), source })?;
+        Self::parse(&file, &text)
+    }
+
+    /// Parses a TOML; `file` names it in messages.
+    ///
+    /// # Errors
+    /// A [`FormatError`] that names the file and the line or the entry.
+    pub fn parse(file: &str, text: &str) -> Result<Self, FormatError> {
+        let table: Table = toml::from_str(text).map_err(|error| {
+            let before = error.span().map_or("", |span| text.get(..span.start).unwrap_or(text));
+            let place = format!("line {}", 1 + before.matches('\n').count());
+            let what = error.message().trim().to_owned();
+            FormatError::BadStatement { file: file.to_owned(), place, what, cure: "it has to be TOML" }
+        })?;
+        let mut overrides = Self::default();
+        for (key, value) in &table {
+            match (key.as_str(), value) {
+                ("materials", Value::Table(materials)) => {
+                    for (material, value) in materials {
+                        overrides.material(file, material, value)?;
+                    }
+                }
+                _ => return Err(bad(file, key.clone(), unknown_key(key, &["materials"]))),
+            }
+        }
+        Ok(overrides)
+    }
+
+    fn material(&mut self, file: &str, material: &str, value: &Value) -> Result<(), FormatError> {
+        let place = format!("materials.{material}");
+        let Value::Table(properties) = value else {
+            return Err(bad(file, place, "is not a table".into()));
+        };
+        for (key, value) in properties {
+            let refuse = |what: String| bad(file, format!("{place}.{key}"), what);
+            let colour = || colour(value).ok_or_else(|| refuse("is neither a number nor a list of three".into()));
+            let change = match (key.as_str(), value) {
+                ("emission", _) => {
+                    let emission = colour()?;
+                    check(emission).map_err(refuse)?;
+                    Change::Emission(emission)
+                }
+                ("reflectance", _) => {
+                    let reflectance = colour()?;
+                    check_share(reflectance).map_err(refuse)?;
+                    Change::Reflectance(reflectance)
+                }
+                ("double_sided", Value::Boolean(double_sided)) => Change::DoubleSided(*double_sided),
+                ("double_sided", _) => return Err(refuse("is neither true nor false".into())),
+                _ => return Err(refuse(unknown_key(key, &["emission", "reflectance", "double_sided"]))),
+            };
+            self.list.push(Override { from: file.to_owned(), material: material.to_owned(), change });
+        }
+        Ok(())
+    }
+
+    /// Adds that a material emits a radiance, in W/(m2 sr).
+    pub fn emit(&mut self, emission: MaterialColour) {
+        self.option(emission.material, Change::Emission(emission.colour));
+    }
+
+    /// Adds that a material reflects a share of the light.
+    ///
+    /// # Errors
+    /// In words, if it is more than 1.
+    pub fn reflect(&mut self, reflectance: MaterialColour) -> Result<(), String> {
+        check_share(reflectance.colour).map_err(|what| format!("reflectance of {:?} {what}", reflectance.material))?;
+        self.option(reflectance.material, Change::Reflectance(reflectance.colour));
+        Ok(())
+    }
+
+    fn option(&mut self, material: String, change: Change) {
+        self.list.push(Override { from: OPTIONS.into(), material, change });
+    }
+
+    /// Adds all of `later`, which win.
+    pub fn extend(&mut self, later: Self) {
+        self.list.extend(later.list);
+    }
+
+    /// Whether nothing is changed.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// Changes the materials of a scene; reflectances are capped at `max_reflectance` like those of the file, counted.
+    ///
+    /// # Errors
+    /// [`FormatError::UnknownMaterial`]; the scene is then as it was.
+    pub fn apply(&self, scene: &mut Scene, max_reflectance: f64) -> Result<Vec<Warning>, FormatError> {
+        for change in &self.list {
+            if !scene.materials.iter().any(|material| material.name == change.material) {
+                return Err(unknown_material(scene, change));
+            }
+        }
+        let cap = Rgb::splat(max_reflectance.clamp(0.0, 1.0));
+        let mut capped = 0;
+        for &Override { ref material, change, .. } in &self.list {
+            for changed in scene.materials.iter_mut().filter(|m| m.name == *material) {
+                match change {
+                    Change::Emission(radiance) => changed.radiance = radiance,
+                    Change::Reflectance(reflectance) => {
+                        capped += usize::from(reflectance.cmpgt(cap).any());
+                        changed.reflectance = reflectance.min(cap);
+                    }
+                    Change::DoubleSided(double_sided) => changed.double_sided = double_sided,
+                }
+            }
+        }
+        let warning = Warning::ReflectanceCapped { materials: capped, max_reflectance };
+        Ok(if capped > 0 { vec![warning] } else { Vec::new() })
+    }
+}
+
+fn bad(file: &str, place: String, what: String) -> FormatError {
+    let cure = "see `umbrage help bake` for what it can hold";
+    FormatError::BadStatement { file: file.to_owned(), place, what, cure }
+}
+
+/// A number, or three.
+fn colour(value: &Value) -> Option<Rgb> {
+    let number = |value: &Value| match value {
+        Value::Integer(number) => Some(*number as f64),
+        Value::Float(number) => Some(*number),
+        _ => None,
+    };
+    match value {
+        Value::Array(channels) => match channels.as_slice() {
+            [red, green, blue] => Some(Rgb::new(number(red)?, number(green)?, number(blue)?)),
+            _ => None,
+        },
+        one => number(one).map(Rgb::splat),
+    }
+}
+
+fn unknown_key(key: &str, known: &[&str]) -> String {
+    let like =
+        most_similar(key, known.iter().copied()).map_or(String::new(), |like| format!(", perhaps {like} is meant"));
+    format!("is not one of {}{like}", known.join(", "))
+}
+
+fn unknown_material(scene: &Scene, change: &Override) -> FormatError {
+    let mut names: Vec<&str> = Vec::new();
+    for material in &scene.materials {
+        if !names.contains(&material.name.as_str()) {
+            names.push(&material.name);
+        }
+    }
+    let like = most_similar(&change.material, names.iter().copied());
+    let like = like.map_or(String::new(), |like| format!(", perhaps {like:?} is meant"));
+    let more = names.len().saturating_sub(LISTED_NAMES);
+    let listed: Vec<String> = names.iter().take(LISTED_NAMES).map(|name| format!("{name:?}")).collect();
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    FormatError::UnknownMaterial {
+        file: change.from.clone(),
+        name: change.material.clone(),
+        like,
+        known: if listed.is_empty() { "none".into() } else { format!("{}{more}", listed.join(", ")) },
+    }
+}
+
+/// The most similar of some names, if one is similar at all; capitals do not count.
+fn most_similar<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let name = name.to_lowercase();
+    let likeness = |other: &str| strsim::normalized_damerau_levenshtein(&name, &other.to_lowercase());
+    let scored = names.map(|other| (likeness(other), other));
+    scored.filter(|(score, _)| *score >= LEAST_SIMILARITY).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, other)| other)
+}
+
+#[cfg(test)]
+mod tests {
+    use umbrage::scene::cornell::cornell_box;
+
+    use super::*;
+
+    fn parse(text: &str) -> Result<Overrides, FormatError> {
+        Overrides::parse("room.umbrage.toml", text)
+    }
+
+    #[test]
+    fn a_file_and_options_change_materials_and_the_last_wins() {
+        let mut overrides = parse(
+            "[materials.white]\nemission = [1, 2.5, 3]\nreflectance = 0.25\ndouble_sided = true\n\
+             [materials.\"red\"]\nreflectance = [1, 0, 0]",
+        )
+        .unwrap();
+        overrides.emit("white=7".parse().unwrap());
+        let mut scene = cornell_box();
+        let warnings = overrides.apply(&mut scene, 0.9).unwrap();
+        assert_eq!(warnings, [Warning::ReflectanceCapped { materials: 1, max_reflectance: 0.9 }]);
+        let [white, red, green, _] = scene.materials.raw.as_slice() else { panic!() };
+        assert_eq!((white.radiance, white.reflectance), (Rgb::splat(7.0), Rgb::splat(0.25)));
+        assert!(white.double_sided && !red.double_sided);
+        assert_eq!(red.reflectance, Rgb::new(0.9, 0.0, 0.0));
+        assert_eq!(green, &cornell_box().materials.raw[2]);
+    }
+
+    #[test]
+    fn a_name_that_is_not_there_is_told_with_those_that_are() {
+        let mut overrides = Overrides::default();
+        overrides.emit("Whit=1,1,1".parse().unwrap());
+        let mut scene = cornell_box();
+        let message = overrides.apply(&mut scene, 0.9).unwrap_err().to_string();
+        for words in ["the options", "\"Whit\"", "perhaps \"white\"", "\"white\", \"red\", \"green\", \"light\""] {
+            assert!(message.contains(words), "no {words} in: {message}");
+        }
+        assert_eq!(scene, cornell_box());
+    }
+
+    #[test]
+    fn bad_files_are_named_by_line_or_entry() {
+        for (text, words) in [
+            ("[materials.a]\nemission = \n", "line 2"),
+            ("[material.a]\n", "material: is not one of materials, perhaps materials is meant"),
+            ("[materials.a]\nemision = 1\n", "materials.a.emision: is not one of emission"),
+            ("[materials.a]\nemission = [1, 2]\n", "neither a number nor a list of three"),
+            ("[materials.a]\nemission = -1\n", "not negative"),
+            ("[materials.a]\nemission = inf\n", "finite"),
+            ("[materials.a]\nreflectance = 1.5\n", "at most 1"),
+            ("[materials.a]\ndouble_sided = 1\n", "neither true nor false"),
+            ("materials = { a = 1 }\n", "materials.a: is not a table"),
+        ] {
+            let message = parse(text).unwrap_err().to_string();
+            assert!(message.starts_with("room.umbrage.toml: ") && message.contains(words), "{message}");
+        }
+        assert!(parse(&"[".repeat(100_000)).is_err() && parse(&format!("a = {}", "[".repeat(100_000))).is_err());
+        assert!(parse("").unwrap().is_empty());
+    }
+
+    #[test]
+    fn colours_of_options() {
+        let colour = |text: &str| text.parse::<MaterialColour>();
+        assert_eq!(
+            colour("a=b=1,2, 3").unwrap(),
+            MaterialColour { material: "a=b".into(), colour: Rgb::new(1., 2., 3.) }
+        );
+        for text in ["lamp", "lamp=1,2", "lamp=x", "lamp=-1", "lamp=nan", "lamp="] {
+            assert!(colour(text).is_err(), "{text}");
+        }
+        assert!(Overrides::default().reflect(colour("a=1.5").unwrap()).is_err());
+        assert_eq!(Overrides::path_beside("a/room.glb"), PathBuf::from("a/room.umbrage.toml"));
+    }
+}

@@ -1,0 +1,197 @@
+//! What is read from an OBJ and its material libraries: polygons, nodes, materials, warnings.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod common;
+
+use common::{material_polygons, polygons, scene_path};
+use umbrage::prepare::prepare;
+use umbrage::progress::Progress;
+use umbrage::scene::cornell::cornell_box;
+use umbrage::scene::{Rgb, Scene};
+use umbrage_formats::{FormatError, ReadOptions, UpAxis, Warning, read_scene, read_scene_bytes, read_scene_with};
+
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+fn read(text: &str) -> Result<(Scene, Vec<Warning>), FormatError> {
+    read_scene_bytes("test.obj", text.as_bytes().to_vec(), &ReadOptions::default())
+}
+
+fn grey(count: usize) -> Warning {
+    Warning::WithoutMaterial { polygons: count }
+}
+
+/// Writes files into a folder of their own and reads the first.
+fn read_files(files: &[(&str, &str)]) -> Result<(Scene, Vec<Warning>), FormatError> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    }
+    read_scene(folder.path().join(files[0].0))
+}
+
+#[test]
+fn the_cornell_file_is_the_built_in_cornell_box() {
+    let (scene, warnings) = read_scene(scene_path("cornell.obj")).unwrap();
+    assert_eq!(warnings, []);
+    assert_eq!(scene.validate(), Ok(()));
+    let built = cornell_box();
+    assert_eq!(material_polygons(&scene), material_polygons(&built));
+    for material in &built.materials {
+        assert!(scene.materials.iter().any(|m| m == material), "{}", material.name);
+    }
+}
+
+#[test]
+fn polygons_of_any_size_and_corners_of_every_form() {
+    let text = format!(
+        "{SQUARE}v .5 2 0 1.0\nvt 0 0\nvn 0 0 1\nf 1 2 3 5 4\nf 1/1 2/1 3/1\nf 1//1 2//1 3//1\nf 1/1/1 \\\n 2/1/1 3/1/1 # last\n"
+    );
+    let (scene, warnings) = read(&text).unwrap();
+    assert_eq!(warnings, [grey(4)]);
+    assert_eq!(scene.surfaces.raw[0].polygons[0].len(), 5);
+    assert_eq!(polygons(&scene)[1..], vec![vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]; 3]);
+    assert_eq!(scene.surfaces.raw[0].positions_m.len(), 5);
+    assert_eq!(scene.materials.raw[0].reflectance, Rgb::splat(0.5));
+    assert_eq!(scene.nodes.raw[0].name.as_deref(), Some("test"));
+}
+
+#[test]
+fn negative_numbers_count_back_and_positive_ones_may_look_ahead() {
+    let (scene, _) = read("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 5 5 5\nf -4 -3 -2\n").unwrap();
+    let all = polygons(&scene);
+    assert_eq!((all.len(), &all[0], &all[0]), (3, &all[1], &all[2]));
+}
+
+#[test]
+fn windows_files_open() {
+    let (scene, warnings) =
+        read(&format!("\u{feff}# made by x:\\\n{SQUARE}g\nf 1 2 3 4\n").replace('\n', "\r\n")).unwrap();
+    assert_eq!((scene.polygon_count(), warnings), (1, vec![grey(1)]));
+}
+
+#[test]
+fn objects_and_groups_become_nodes() {
+    let text = format!(
+        "{SQUARE}f 1 2 3\no room\nf 1 2 3\ng wall left\nf 1 2 3\no table\ng wall left\nf 1 2 3\ng nothing\no room\nf 1 3 4\n"
+    );
+    let (scene, _) = read(&text).unwrap();
+    let nodes: Vec<_> = scene.nodes.iter().map(|n| (n.name.as_deref().unwrap(), n.parent.map(usize::from))).collect();
+    let expected = [("test", None), ("room", None), ("wall left", Some(1)), ("table", None), ("wall left", Some(3))];
+    assert_eq!(nodes, expected);
+    let of_node: Vec<_> = scene.surfaces.iter().map(|s| (usize::from(s.node), s.polygons.len())).collect();
+    assert_eq!(of_node, [(0, 1), (1, 2), (2, 1), (4, 1)]);
+}
+
+#[test]
+fn materials_come_from_libraries_in_the_folder() {
+    let room = format!(
+        "mtllib lib/my paint.mtl\nmtllib lib/my paint.mtl\n{SQUARE}usemtl wall #1\nf 1 2 3\nusemtl lamp\nf 1 3 4\n"
+    );
+    let paint = "newmtl wall #1\nKd 0.2 0.3 0.4\nmap_Kd -o 0 0 0 wood.png\nnewmtl lamp\nKd 1\nKe 5 6 7\nd 0.5\n";
+    let (scene, warnings) = read_files(&[("room.obj", &room), ("lib/my paint.mtl", paint)]).unwrap();
+    let [wall, lamp] = scene.materials.raw.as_slice() else { panic!("{:?}", scene.materials) };
+    assert_eq!((wall.reflectance, wall.name.as_str()), (Rgb::new(0.2, 0.3, 0.4), "wall #1"));
+    assert_eq!((lamp.radiance, lamp.reflectance), (Rgb::new(5.0, 6.0, 7.0), Rgb::splat(0.9)));
+    assert_eq!(
+        warnings,
+        [
+            Warning::TexturesIgnored { uses: 1 },
+            Warning::AlphaIgnored { materials: 1 },
+            Warning::ReflectanceCapped { materials: 1, max_reflectance: 0.9 }
+        ]
+    );
+    let two = format!("mtllib a.mtl b.mtl\n{SQUARE}usemtl b\nf 1 2 3\n");
+    let (scene, warnings) =
+        read_files(&[("r.obj", &two), ("a.mtl", "newmtl b\nKd 1 0 0"), ("b.mtl", "newmtl b\nKd 0 0.5 0")]).unwrap();
+    assert_eq!((warnings, scene.materials.raw[0].reflectance), (vec![], Rgb::new(0.0, 0.5, 0.0)));
+}
+
+#[test]
+fn what_is_fully_transparent_is_left_out() {
+    let room = format!("mtllib r.mtl\n{SQUARE}usemtl glass\nf 1 2 3\nusemtl wall\nf 1 3 4\n");
+    let (scene, warnings) = read_files(&[("r.obj", &room), ("r.mtl", "newmtl glass\nd 0\nnewmtl wall\n")]).unwrap();
+    assert_eq!((scene.polygon_count(), scene.materials.len()), (1, 1));
+    assert_eq!(warnings, [Warning::TransparentLeftOut { polygons: 1 }]);
+}
+
+#[test]
+fn missing_materials_are_grey_and_a_renamed_library_is_found() {
+    let room = format!("mtllib old name.mtl\n{SQUARE}usemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\n");
+    let (scene, warnings) = read_files(&[("room.obj", &room)]).unwrap();
+    assert!(scene.materials.iter().all(|m| m.reflectance == Rgb::splat(0.5)));
+    assert!(matches!(&warnings[0], Warning::MaterialLibraryMissing { replaced_by: None, .. }), "{warnings:?}");
+    assert_eq!(warnings.last(), Some(&Warning::MaterialsMissing { materials: 2, first: "a".into() }));
+    let (_, warnings) =
+        read_files(&[("room.obj", &room.replace("old name", "old")), ("room.mtl", "newmtl a\nnewmtl b")]).unwrap();
+    assert!(warnings[0].to_string().contains("\"room.mtl\" was read instead"), "{warnings:?}");
+    assert_eq!(warnings.len(), 1);
+    for library in ["../secret.mtl", "/etc/passwd", "C:\\secret.mtl"] {
+        let (_, warnings) =
+            read_files(&[("in/room.obj", &format!("mtllib {library}\n{SQUARE}f 1 2 3")), ("secret.mtl", "newmtl a")])
+                .unwrap();
+        assert!(matches!(&warnings[1], Warning::MaterialLibraryMissing { .. }), "{warnings:?}");
+    }
+}
+
+#[test]
+fn what_is_not_taken_over_is_counted() {
+    let text = format!("{SQUARE}v 1 2 3 0.5 0.5 0.5\np 1\nl 1 2\nf 1 2\nf\ncurv 0 1 1 2\ncurv 0 1 1 2\nfoo\ns off\n");
+    let (_, warnings) = read(&text).unwrap();
+    assert_eq!(
+        warnings,
+        [
+            Warning::PointsAndLines { primitives: 2 },
+            Warning::TooFewCorners { polygons: 2 },
+            Warning::ColouredVertices { vertices: 1 },
+            Warning::UnknownStatements { statements: 3, kinds: vec!["curv".into(), "foo".into()] },
+        ]
+    );
+}
+
+#[test]
+fn bad_lines_are_named() {
+    for (text, words) in [
+        ("f 1 2 5", "line 5: refers to vertex 5, but there are only 4"),
+        ("f 1 2 -5", "line 5: refers to vertex -5, and there are 4 before it"),
+        ("f 1 2 0", "line 5: refers to vertex 0"),
+        ("f 1 2 x/1", "line 5: \"x/1\" is not a corner"),
+        ("f 1 2 99999999999999999999", "not a corner"),
+        ("f 1 2 -9223372036854775808", "line 5"),
+        ("v 1 2", "line 5: a vertex has 2 coordinates"),
+        ("v 1,0 2 3", "line 5: \"1,0\" is not a number"),
+        ("v nan 0 0\nf 1 2 5", "line 6, vertex 5: is [NaN, 0, 0], which is not finite"),
+    ] {
+        let message = read(&format!("{SQUARE}{text}\n")).unwrap_err().to_string();
+        assert!(message.starts_with("test.obj: ") && message.contains(words), "no {words:?} in: {message}");
+    }
+    let bad = read_files(&[("r.obj", "mtllib r.mtl\n"), ("r.mtl", "newmtl a\nKd 1 x 1")]).unwrap_err().to_string();
+    assert!(bad.contains("r.mtl: line 2: \"x\" is not a number"), "{bad}");
+    // A vertex that nothing uses does no harm.
+    assert!(read(&format!("{SQUARE}v nan 0 0\nf 1 2 3\n")).is_ok());
+}
+
+#[test]
+fn units_and_axes_are_the_caller_s() {
+    let options = ReadOptions { unit_m: 0.001, up: UpAxis::Z, ..ReadOptions::default() };
+    let (scene, _) =
+        read_scene_bytes("test.obj", b"v 0 0 0\nv 1000 0 0\nv 0 0 3000\nf 1 2 3\n".to_vec(), &options).unwrap();
+    assert_eq!(polygons(&scene), [[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 3.0, 0.0]]]);
+    let (scene, _) = read_scene_with(scene_path("cornell.obj"), &options).unwrap();
+    assert_eq!(scene.polygon_count(), 20);
+    assert!(scene.surfaces.iter().flat_map(|s| &s.positions_m).all(|p| p.abs().max_element() < 6e-4));
+    let options = ReadOptions { unit_m: 1e300, ..ReadOptions::default() };
+    let error = read_scene_bytes("test.obj", b"v 1e10 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3".to_vec(), &options);
+    assert!(matches!(error, Err(FormatError::NotFinite { .. })));
+}
+
+#[test]
+fn a_keyhole_polygon_is_prepared_with_its_area() {
+    // A square with a square hole, joined by a seam that is passed both ways.
+    let text = "v 0 0 0\nv 4 0 0\nv 4 0 -4\nv 0 0 -4\nv 1 0 -1\nv 1 0 -3\nv 3 0 -3\nv 3 0 -1\nf 1 2 3 4 1 5 6 7 8 5\n";
+    let (scene, _) = read(text).unwrap();
+    let prepared = prepare(&scene, Progress::silent()).unwrap();
+    let area: f64 = prepared.faces.keys().map(|f| umbrage::geometry::polygon::area_m2(&prepared.polygon_m(f))).sum();
+    assert!((area - 12.0).abs() < 1e-5, "{area}");
+}
