@@ -108,7 +108,7 @@ impl Wedge {
         let [u, v] = self.rays;
         // Half-spaces that bound the wedge in its plane: beyond each border ray, and beyond the farthest line.
         let inward = [v - u * (u.dot(v) / u.dot(u)), u - v * (u.dot(v) / v.dot(v))];
-        let outward = (u + v) * (self.plane.normal.dot(u.cross(v)).signum());
+        let outward = u + v;
         let reach =
             if least_nearness > 0.0 { u.dot(outward).max(v.dot(outward)) / least_nearness } else { f64::INFINITY };
         let keep = |lo: DVec3, hi: DVec3| {

@@ -160,7 +160,7 @@ impl Visibility {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture;
+    use super::super::fixture::{self, square};
     use super::*;
     use crate::geometry::polygon;
     use glam::DQuat;
@@ -200,17 +200,6 @@ mod tests {
             VisiblePart::Whole(corners) => signed(corners),
             VisiblePart::Part(contours) => contours.iter().map(signed).sum(),
         }
-    }
-
-    /// A square with its middle at `middle`, looking up (or down).
-    fn square(middle: DVec3, half: f64, up: bool) -> Vec<DVec3> {
-        let mut corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
-            .map(|(x, y)| fixture::f32_point(middle + half * DVec3::new(x, y, 0.0)))
-            .to_vec();
-        if !up {
-            corners.reverse();
-        }
-        corners
     }
 
     fn floor() -> Vec<DVec3> {

@@ -86,6 +86,17 @@ pub(crate) fn scene(materials: Vec<Material>) -> Scene {
     Scene { materials: materials.into(), ..Scene::default() }
 }
 
+/// A square with its middle at `middle`, looking up (or down).
+pub(crate) fn square(middle: DVec3, half: f64, up: bool) -> Vec<DVec3> {
+    let mut corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+        .map(|(x, y)| f32_point(middle + half * DVec3::new(x, y, 0.0)))
+        .to_vec();
+    if !up {
+        corners.reverse();
+    }
+    corners
+}
+
 /// The six faces of a box, looking outward.
 pub(crate) fn outward_box(lo: DVec3, hi: DVec3) -> Vec<Vec<DVec3>> {
     let c = |x: usize, y: usize, z: usize| {

@@ -63,21 +63,11 @@ fn add_side_planes(inward: &mut Vec<Plane>, edges: &[DVec3], corners: &[DVec3], 
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixture;
+    use super::super::fixture::{self, square};
     use super::super::{ReceiverPoint, VisiblePart};
     use super::*;
     use crate::id::FaceId;
     use proptest::prelude::*;
-
-    fn square(middle: DVec3, half: f64, up: bool) -> Vec<DVec3> {
-        let mut corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
-            .map(|(x, y)| fixture::f32_point(middle + half * DVec3::new(x, y, 0.0)))
-            .to_vec();
-        if !up {
-            corners.reverse();
-        }
-        corners
-    }
 
     fn may_be_blocked(occluder: Vec<DVec3>) -> bool {
         let prepared =
