@@ -10,6 +10,7 @@ mod bake;
 mod demo;
 mod exit_code;
 mod info;
+mod inspect;
 mod interrupt;
 mod memory;
 mod method;
@@ -43,6 +44,8 @@ Examples:
   umbrage info room.glb                  what is in a scene, and what gives light in it
   umbrage bake room.glb -o baked.glb     bake a scene of your own
   umbrage render baked.glb -o baked.png  a picture of the result
+  umbrage inspect room.glb --stage d-segments -o shadows.svg
+                                         a drawing of the edges of its shadows
 
 Exit codes: 0 done, 1 failed (the message says why), 2 wrong usage, 130 interrupted (Ctrl-C).
 `umbrage help COMMAND` tells more about a command.";
@@ -78,6 +81,7 @@ enum Command {
     Demo(demo::DemoArgs),
     Render(render::RenderArgs),
     Info(info::InfoArgs),
+    Inspect(inspect::InspectArgs),
 }
 
 fn main() {
@@ -113,6 +117,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Demo(args) => demo::run(args, output),
         Command::Render(args) => render::run(args, output),
         Command::Info(args) => info::run(args, output),
+        Command::Inspect(args) => inspect::run(args, output),
     }
 }
 

@@ -34,10 +34,10 @@ fn err(output: &Output) -> String {
 fn help_names_every_command_and_shows_how() {
     let help = umbrage(&["--help"]);
     assert_eq!(code(&help), Some(0));
-    for word in ["bake", "demo", "render", "info", "Examples:", "Exit codes:"] {
+    for word in ["bake", "demo", "render", "info", "inspect", "Examples:", "Exit codes:"] {
         assert!(out(&help).contains(word), "{word}");
     }
-    for command in ["bake", "demo", "render", "info"] {
+    for command in ["bake", "demo", "render", "info", "inspect"] {
         let help = umbrage(&[command, "--help"]);
         assert_eq!(code(&help), Some(0), "{command}");
         assert!(out(&help).contains("Usage: umbrage"), "{command}");
@@ -205,4 +205,22 @@ fn materials_and_units_are_said_beside_the_file() {
     let done = umbrage(&["bake", &scene, "-o", &baked, "--unit", "mm"]);
     assert_eq!(code(&done), Some(0), "{}", err(&done));
     assert!(Path::new(&baked).exists());
+}
+
+#[test]
+fn stages_are_told_and_drawn() {
+    let folder = folder("inspect");
+    let scene = "../../testdata/scenes/occluder.glb";
+    let told = umbrage(&["inspect", scene, "--stage", "d-segments"]);
+    assert_eq!(code(&told), Some(0), "{}", err(&told));
+    let json: serde_json::Value = serde_json::from_str(&out(&told)).unwrap();
+    assert_eq!(json["d_segments"].as_array().map(Vec::len), Some(8), "umbra and penumbra lines of four edges");
+    for stage in ["d-segments", "patches", "mesh"] {
+        let drawing = folder.join(format!("{stage}.svg"));
+        let drawn = umbrage(&["inspect", scene, "--stage", stage, "-o", drawing.to_str().unwrap()]);
+        assert_eq!(code(&drawn), Some(0), "{}", err(&drawn));
+        assert!(fs::read_to_string(&drawing).unwrap().contains("class=\"bar\""), "{stage} has a scale bar");
+    }
+    let refused = umbrage(&["inspect", scene, "--stage", "mesh", "-o", "mesh.png"]);
+    assert!(code(&refused) == Some(1) && err(&refused).contains(".svg"), "{}", err(&refused));
 }

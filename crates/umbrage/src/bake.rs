@@ -65,6 +65,20 @@ impl Default for BakeSettings {
     }
 }
 
+impl BakeSettings {
+    fn mesh(&self) -> MeshSettings {
+        MeshSettings { score: self.score, mend_bad_shapes: self.mend_bad_shapes }
+    }
+
+    fn oracle(&self, prepared: &Prepared) -> FormFactorOracle {
+        FormFactorOracle {
+            max_form_factor: self.max_form_factor,
+            min_area_m2: self.min_area_m2.unwrap_or_else(|| MIN_AREA_OF_TOTAL * total_area_m2(prepared)),
+            coplanar_m: prepared.tolerance.coplanar_m(),
+        }
+    }
+}
+
 /// What a bake did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
@@ -155,14 +169,9 @@ pub fn bake(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> R
     };
     clock.end_of(Stage::Discontinuity);
 
-    let mesh_settings = MeshSettings { score: settings.score, mend_bad_shapes: settings.mend_bad_shapes };
+    let mesh_settings = settings.mesh();
     let mut mesh = Mesh::new(&prepared, &discontinuities.segments, mesh_settings);
-    let oracle = FormFactorOracle {
-        max_form_factor: settings.max_form_factor,
-        min_area_m2: settings.min_area_m2.unwrap_or_else(|| MIN_AREA_OF_TOTAL * total_area_m2(&prepared)),
-        coplanar_m: prepared.tolerance.coplanar_m(),
-    };
-    let links = transport::link_all(&prepared, &visibility, &mut mesh, &oracle, progress)?;
+    let links = transport::link_all(&prepared, &visibility, &mut mesh, &settings.oracle(&prepared), progress)?;
     let (patches, compactness) = (mesh.patch_count(), compactness_of(&mesh));
     clock.end_of(Stage::Transport);
 
@@ -214,15 +223,58 @@ pub struct DrawnSegment {
 /// # Errors
 /// A [`BakeError`] where the scene is refused or the callback cancels.
 pub fn d_segments(scene: &Scene, progress: Progress<'_>) -> Result<Vec<DrawnSegment>, BakeError> {
-    scene.validate()?;
-    let prepared = prepare::prepare(scene, progress)?;
-    let found = discontinuity::find(scene, &prepared, &Visibility::new(&prepared), progress)?;
-    let drawn = found.segments.iter().map(|segment| DrawnSegment {
+    let Traced { prepared, discontinuities } = trace(scene, progress)?;
+    let drawn = discontinuities.segments.iter().map(|segment| DrawnSegment {
         degree: segment.degree.number() as u8,
         ends_m: segment.ends_m.map(|end| prepared.origin_m + end),
         normal: prepared.normal(segment.face),
     });
     Ok(drawn.collect())
+}
+
+/// The faces of a scene and the d-segments on them: the stages up to `discontinuity`.
+#[derive(Clone, Debug)]
+pub struct Traced {
+    /// The faces.
+    pub prepared: Prepared,
+    /// The emitters and d-segments.
+    pub discontinuities: Discontinuities,
+}
+
+/// Runs the stages up to `discontinuity`: what made every d-segment is in the result.
+///
+/// # Errors
+/// A [`BakeError`] where the scene is refused or the callback cancels.
+pub fn trace(scene: &Scene, progress: Progress<'_>) -> Result<Traced, BakeError> {
+    scene.validate()?;
+    let prepared = prepare::prepare(scene, progress)?;
+    let discontinuities = discontinuity::find(scene, &prepared, &Visibility::new(&prepared), progress)?;
+    Ok(Traced { prepared, discontinuities })
+}
+
+/// A scene's hierarchy of patches, and what it came from: the stages up to `transport`.
+#[derive(Clone, Debug)]
+pub struct Meshed {
+    /// The faces.
+    pub prepared: Prepared,
+    /// The emitters and d-segments.
+    pub discontinuities: Discontinuities,
+    /// The patches that carry transport.
+    pub mesh: Mesh,
+}
+
+/// Runs the stages up to `transport`: what cut every patch is in the result.
+///
+/// # Errors
+/// A [`BakeError`] where the scene is refused or the callback cancels.
+pub fn subdivided(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> Result<Meshed, BakeError> {
+    let Traced { prepared, mut discontinuities } = trace(scene, progress)?;
+    if !settings.discontinuities {
+        discontinuities = Discontinuities::default();
+    }
+    let mut mesh = Mesh::new(&prepared, &discontinuities.segments, settings.mesh());
+    transport::link_all(&prepared, &Visibility::new(&prepared), &mut mesh, &settings.oracle(&prepared), progress)?;
+    Ok(Meshed { prepared, discontinuities, mesh })
 }
 
 /// In debug builds, a broken promise of a stage is a panic with its values.

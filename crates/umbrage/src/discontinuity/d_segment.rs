@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::id::{EdgeId, EmitterId, FaceId, VertexId};
+use crate::prepare::Prepared;
 
 /// Which derivative of the radiosity function jumps across a d-segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -68,6 +69,19 @@ pub enum Event {
     },
 }
 
+impl Event {
+    /// A short name of its kind.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Contact { .. } => "contact",
+            Self::SourcePlane { .. } => "source-plane",
+            Self::EdgeEdge { .. } => "edge-edge",
+            Self::VertexEdge { .. } => "vertex-edge",
+            Self::EdgeVertex { .. } => "edge-vertex",
+        }
+    }
+}
+
 /// A segment of discontinuity on a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DSegment {
@@ -84,6 +98,28 @@ pub struct DSegment {
 }
 
 impl DSegment {
+    /// The part of the edge in a vertex-edge or edge-vertex event that makes this segment: where the rays to its two ends
+    /// pass the edge, as shares of the edge from its first end, ascending. The rest of the edge is hidden, or casts on
+    /// other faces. `None` for events that are not of one vertex and one edge.
+    pub fn visible_interval(&self, prepared: &Prepared) -> Option<[f64; 2]> {
+        let (vertex, edge) = match self.event {
+            Event::VertexEdge { source, occluder, .. } => (source, occluder),
+            Event::EdgeVertex { source, occluder, .. } => (occluder, source),
+            Event::Contact { .. } | Event::SourcePlane { .. } | Event::EdgeEdge { .. } => return None,
+        };
+        let apex = prepared.vertices_m[vertex];
+        let [from, to] = prepared.edges[edge].ends.map(|end| prepared.vertices_m[end]);
+        let across = (from - apex).cross(to - from);
+        let mut at = self.ends_m.map(|end| {
+            // The ray from the apex meets the edge's line where both span the same area with the edge.
+            let ray = end - apex;
+            let share = (from - apex).cross(ray).dot(across) / ray.cross(to - from).dot(across);
+            share.clamp(0.0, 1.0)
+        });
+        at.sort_by(f64::total_cmp);
+        Some(at)
+    }
+
     /// Its length, in metres.
     pub fn length_m(&self) -> f64 {
         self.ends_m[0].distance(self.ends_m[1])
