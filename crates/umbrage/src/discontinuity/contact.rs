@@ -24,14 +24,20 @@ pub fn is_contact(prepared: &Prepared, edge: EdgeId, face: FaceId) -> bool {
         })
 }
 
-/// The contacts of all faces that show light, as d-segments of degree 0. `strength` is the most that can jump.
-pub(super) fn contacts(prepared: &Prepared, receives: impl Fn(FaceId) -> bool, strength: f64) -> Vec<DSegment> {
+/// The contacts of all faces that show light, as d-segments of degree 0.
+pub(super) fn contacts(prepared: &Prepared, receives: impl Fn(FaceId) -> bool) -> Vec<DSegment> {
     let mut segments = Vec::new();
     for (edge, ends) in prepared.edges.iter_enumerated() {
         for &face in &ends.faces {
             if receives(face) && is_contact(prepared, edge, face) {
                 let ends_m = ends.ends.map(|vertex| prepared.vertices_m[vertex]);
-                segments.push(DSegment { face, ends_m, degree: Degree::D0, strength, event: Event::Contact { edge } });
+                segments.push(DSegment {
+                    face,
+                    ends_m,
+                    degree: Degree::D0,
+                    strength: 0.0,
+                    event: Event::Contact { edge },
+                });
             }
         }
     }

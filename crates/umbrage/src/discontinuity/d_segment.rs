@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::id::{EdgeId, EmitterId, FaceId, VertexId};
+use crate::id::{EdgeId, EmitterId, FaceId, PlaneId, VertexId};
 use crate::prepare::Prepared;
 
 /// Which derivative of the radiosity function jumps across a d-segment.
@@ -10,7 +10,7 @@ use crate::prepare::Prepared;
 pub enum Degree {
     /// The value: a contact of two surfaces.
     D0,
-    /// The slope: an occluder edge coplanar with a source edge, or the source's own plane.
+    /// The slope: an occluder edge coplanar with a source edge, the source's own plane, an occluder's plane.
     D1,
     /// The curvature: every other edge-vertex and vertex-edge event.
     D2,
@@ -39,6 +39,14 @@ pub enum Event {
     SourcePlane {
         /// The emitter.
         emitter: EmitterId,
+    },
+    /// The plane of an occluder's faces cuts an emitter: where the plane meets the receiver, the occluder is seen edge-on,
+    /// and another of its edges becomes the silhouette.
+    OccluderPlane {
+        /// The emitter.
+        emitter: EmitterId,
+        /// The plane of the occluder's faces.
+        occluder: PlaneId,
     },
     /// A source edge and an occluder edge in one plane: the coincident EV and VE events of both.
     EdgeEdge {
@@ -75,6 +83,7 @@ impl Event {
         match self {
             Self::Contact { .. } => "contact",
             Self::SourcePlane { .. } => "source-plane",
+            Self::OccluderPlane { .. } => "occluder-plane",
             Self::EdgeEdge { .. } => "edge-edge",
             Self::VertexEdge { .. } => "vertex-edge",
             Self::EdgeVertex { .. } => "edge-vertex",
@@ -91,7 +100,7 @@ pub struct DSegment {
     pub ends_m: [DVec3; 2],
     /// Its degree.
     pub degree: Degree,
-    /// How much jumps across it: W/m2 (degree 0), W/m3 (1), W/m4 (2); an estimate that orders hints of one degree.
+    /// How much jumps across it at its middle: W/m2 (degree 0), W/m3 (1), W/m4 (2), the mean over the three colours.
     pub strength: f64,
     /// What made it.
     pub event: Event,
@@ -105,7 +114,7 @@ impl DSegment {
         let (vertex, edge) = match self.event {
             Event::VertexEdge { source, occluder, .. } => (source, occluder),
             Event::EdgeVertex { source, occluder, .. } => (occluder, source),
-            Event::Contact { .. } | Event::SourcePlane { .. } | Event::EdgeEdge { .. } => return None,
+            _ => return None,
         };
         let apex = prepared.vertices_m[vertex];
         let [from, to] = prepared.edges[edge].ends.map(|end| prepared.vertices_m[end]);

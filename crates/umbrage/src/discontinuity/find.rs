@@ -1,23 +1,23 @@
 //! Finds all d-segments of a scene: the preprocessing step of the meshing algorithm (paper, section 4).
 //!
-//! For every emitter: its plane, VE of its corners with every occluder edge, EV of its outline with every occluder
-//! vertex. Then contacts. Events are traced in parallel, and gathered in the order of their features.
+//! Every feature of a source is paired with every feature of an occluder; most pairs are dismissed by a look at their own
+//! geometry, the others are traced. Pairs are numbered and dealt out in equal parts, traced in parallel, and what they find
+//! is gathered in the order of their numbers, so that the result does not depend on threads.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::event::Surroundings;
-use super::silhouette::OccluderEdges;
-use super::{DSegment, Emitter, contact, emitter, merge};
-use crate::id::{DSegmentId, EdgeId, EmitterId, FaceId, Table, VertexId};
+use super::features::Surroundings;
+use super::{DSegment, Emitter, Features, contact};
+use crate::id::{DSegmentId, EmitterId, FaceId, PlaneId, Table};
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::Scene;
 use crate::visibility::Visibility;
 
-/// Events traced between two reports of progress.
-const EVENTS_A_REPORT: usize = 1024;
+/// Pairs that are traced between two reports of progress.
+const PAIRS_A_PART: usize = 4096;
 
 /// Emitters and d-segments of a scene.
 #[derive(Clone, Debug, Default)]
@@ -37,14 +37,6 @@ impl Discontinuities {
     }
 }
 
-/// A source feature and an occluder feature that may cast a shadow boundary.
-#[derive(Clone, Copy, Debug)]
-enum Pair {
-    Plane(EmitterId),
-    VertexEdge(EmitterId, VertexId, usize),
-    EdgeVertex(EmitterId, EdgeId, VertexId),
-}
-
 /// Calculates all discontinuity segments.
 ///
 /// # Errors
@@ -55,55 +47,90 @@ pub fn find(
     visibility: &Visibility,
     progress: Progress<'_>,
 ) -> Result<Discontinuities, Cancelled> {
-    let emitters = emitter::emitters(scene, prepared);
-    let occluders = OccluderEdges::new(prepared);
-    let receives = |face: FaceId| !scene.materials[prepared.faces[face].material].emits();
-    let around = Surroundings { prepared, visibility, occluders: &occluders, receives: &receives };
-    let pairs = pairs(&emitters, &occluders);
+    let features = Features::new(scene, prepared);
+    let around = Surroundings { prepared, visibility, features: &features };
+    let pairs = Pairs::new(prepared, &features);
+    let parts = pairs.count().div_ceil(PAIRS_A_PART);
     let traced = AtomicUsize::new(0);
-    let segments: Vec<Vec<DSegment>> = pairs
-        .par_iter()
-        .map(|pair| {
-            let number = traced.fetch_add(1, Ordering::Relaxed);
-            if number.is_multiple_of(EVENTS_A_REPORT) {
-                progress.report(Stage::Discontinuity, number, pairs.len())?;
-            }
-            Ok(match *pair {
-                Pair::Plane(id) => around.source_plane(id, &emitters[id]),
-                Pair::VertexEdge(id, corner, number) => {
-                    around.vertex_edge(id, &emitters[id], corner, &occluders.edges[number])
-                }
-                Pair::EdgeVertex(id, source, vertex) => around.edge_vertex(id, &emitters[id], source, vertex),
-            })
+    let found: Vec<Vec<DSegment>> = (0..parts)
+        .into_par_iter()
+        .map(|part| {
+            progress.report(Stage::Discontinuity, traced.fetch_add(1, Ordering::Relaxed), parts)?;
+            let numbers = part * PAIRS_A_PART..((part + 1) * PAIRS_A_PART).min(pairs.count());
+            Ok(numbers.flat_map(|number| pairs.trace(number, &around)).collect())
         })
         .collect::<Result<_, Cancelled>>()?;
-    let brightest = emitters.iter().map(Emitter::mean_radiance).fold(0.0, f64::max);
-    let mut segments: Vec<DSegment> = segments.into_iter().flatten().collect();
-    segments.extend(contact::contacts(prepared, receives, std::f64::consts::PI * brightest));
-    let segments = merge::merge(segments, prepared.tolerance.weld_m()).into();
-    Ok(Discontinuities { emitters, segments })
+    let contacts = contact::contacts(prepared, |face: FaceId| features.receives[face]);
+    let mut segments: Vec<DSegment> = found.into_iter().flatten().chain(contacts).collect();
+    segments.par_iter_mut().for_each(|segment| {
+        segment.strength = around.jump(segment, segment.ends_m[0].midpoint(segment.ends_m[1]));
+    });
+    segments.par_sort_by(|p, q| p.face.cmp(&q.face).then(p.event.cmp(&q.event)));
+    Ok(Discontinuities { emitters: features.emitters, segments: segments.into() })
 }
 
-/// All pairs of a source feature and an occluder feature.
-fn pairs(emitters: &Table<EmitterId, Emitter>, occluders: &OccluderEdges) -> Vec<Pair> {
-    let mut pairs = Vec::new();
-    for (id, emitter) in emitters.iter_enumerated() {
-        pairs.push(Pair::Plane(id));
-        for &corner in &emitter.corners {
-            pairs.extend((0..occluders.edges.len()).map(|number| Pair::VertexEdge(id, corner, number)));
-        }
-        let vertices = occluders.at_vertex.iter_enumerated().filter(|(_, edges)| !edges.is_empty());
-        for (vertex, _) in vertices {
-            pairs.extend(emitter.outline.iter().map(|&source| Pair::EdgeVertex(id, source, vertex)));
+/// All pairs of a source feature and an occluder feature, numbered: first all VE, then all EV, and so on.
+struct Pairs<'a> {
+    prepared: &'a Prepared,
+    features: &'a Features,
+    /// Where the numbers of each kind end.
+    ends: [usize; 5],
+}
+
+impl<'a> Pairs<'a> {
+    fn new(prepared: &'a Prepared, features: &'a Features) -> Self {
+        let (edges, vertices) = (features.occluders.edges.len(), features.occluders.vertices.len());
+        let counts = [
+            features.sources.vertices.len() * edges,
+            features.sources.edges.len() * vertices,
+            features.sources.edges.len() * edges,
+            features.emitters.len() * prepared.planes.len(),
+            features.emitters.len(),
+        ];
+        let mut end = 0;
+        let ends = counts.map(|count| {
+            end += count;
+            end
+        });
+        Self { prepared, features, ends }
+    }
+
+    fn count(&self) -> usize {
+        self.ends[4]
+    }
+
+    fn trace(&self, number: usize, around: &Surroundings<'_>) -> Vec<DSegment> {
+        let Features { sources, occluders, .. } = self.features;
+        let kind = self.ends.iter().take_while(|&&end| end <= number).count();
+        let number = if kind == 0 { number } else { number - self.ends[kind - 1] };
+        let pair = |count: usize| (number / count, number % count);
+        match kind {
+            0 => {
+                let (source, occluder) = pair(occluders.edges.len());
+                around.vertex_edge(&sources.vertices[source], &occluders.edges[occluder])
+            }
+            1 => {
+                let (source, occluder) = pair(occluders.vertices.len());
+                around.edge_vertex(&sources.edges[source], occluders.vertices[occluder])
+            }
+            2 => {
+                let (source, occluder) = pair(occluders.edges.len());
+                around.edge_edge(&sources.edges[source], &occluders.edges[occluder])
+            }
+            3 => {
+                let (source, occluder) = pair(self.prepared.planes.len());
+                around.occluder_plane(EmitterId::from(source), PlaneId::from(occluder))
+            }
+            _ => around.source_plane(EmitterId::from(number)),
         }
     }
-    pairs
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::{Degree, Event};
     use super::*;
+    use crate::id::VertexId;
     use crate::scene::{Material, Rgb};
     use crate::visibility::fixture;
     use glam::DVec3;

@@ -1,12 +1,16 @@
 //! Merging of coincident d-segments, by their origin: parts of one event on one face that overlap become one.
 //!
-//! The EV and VE wedges of two coplanar edges share a plane, and so do those of a source's plane from its corners; their
-//! segments on a face lie on one line. Equal origin says so, no coordinate has to.
+//! The pencils of two coplanar edges share a plane, and so do those of a source's plane and an occluder's; their segments on
+//! a face lie on one line. Equal origin says so, no coordinate has to.
 
 use super::DSegment;
 
-/// Sorts by face and event and unites segments of the same face and event that overlap or touch within `gap_m`.
+/// Sorts by face and event and unites segments of the same face and event that overlap or touch within `gap_m`. They have
+/// no strength yet, and get none.
 pub(super) fn merge(mut segments: Vec<DSegment>, gap_m: f64) -> Vec<DSegment> {
+    if segments.len() < 2 {
+        return segments;
+    }
     segments.sort_by(|p, q| p.face.cmp(&q.face).then(p.event.cmp(&q.event)));
     let mut merged = Vec::with_capacity(segments.len());
     for group in segments.chunk_by(|p, q| p.face == q.face && p.event == q.event) {
@@ -32,9 +36,8 @@ fn unite(group: &[DSegment], gap_m: f64, merged: &mut Vec<DSegment>) {
     let mut open: Option<([f64; 2], DSegment)> = None;
     for (interval, segment) in intervals {
         match &mut open {
-            Some((reach, kept)) if interval[0] <= reach[1] + gap_m => {
+            Some((reach, _)) if interval[0] <= reach[1] + gap_m => {
                 reach[1] = reach[1].max(interval[1]);
-                kept.strength = kept.strength.max(segment.strength);
             }
             _ => {
                 close(open.take(), origin, along, merged);
@@ -61,7 +64,7 @@ mod tests {
             face: FaceId::from(0),
             ends_m: [DVec3::X * from, DVec3::X * to],
             degree: Degree::D1,
-            strength: to,
+            strength: 0.0,
             event: Event::SourcePlane { emitter: EmitterId::from(emitter) },
         }
     }

@@ -1,12 +1,26 @@
 //! Discontinuities of the radiosity function: events, wedges, their tracing, contacts (paper, section 3.2).
+//!
+//! | degree | event | file |
+//! |---|---|---|
+//! | 0 | a surface ends on another | `contact` |
+//! | 1 | a source edge and an occluder edge in one plane | `edge_edge` |
+//! | 1 | an occluder's face seen edge-on before a source | `occluder_plane` |
+//! | 1 | the source's own plane | `source_plane` |
+//! | 2 | every other VE and EV: a corner of one, an edge of the other | `event` |
 
 mod contact;
+mod corner;
 mod d_segment;
+mod edge_edge;
 mod emitter;
 mod event;
+mod features;
 mod find;
+mod in_plane;
 mod merge;
+mod occluder_plane;
 mod silhouette;
+mod source;
 mod source_plane;
 mod strength;
 mod trace;
@@ -15,4 +29,5 @@ mod wedge;
 pub use contact::is_contact;
 pub use d_segment::{DSegment, Degree, Event};
 pub use emitter::{Emitter, emitters};
+pub use features::Features;
 pub use find::{Discontinuities, find};

@@ -5,8 +5,9 @@
 //! needs no orientation and holds for any number of faces.
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
-use crate::geometry::Plane;
+use crate::geometry::{Plane, polygon};
 use crate::id::{EdgeId, FaceId, Table, VertexId};
 use crate::prepare::Prepared;
 
@@ -16,47 +17,58 @@ pub(super) struct OccluderEdge {
     pub(super) edge: EdgeId,
     pub(super) ends_m: [DVec3; 2],
     /// The faces along it, and a point inside each.
-    pub(super) faces: Vec<(FaceId, DVec3)>,
+    faces: SmallVec<[(FaceId, DVec3); 2]>,
 }
 
-/// The edges that can be silhouettes, and those at each vertex.
+impl OccluderEdge {
+    /// Whether a face lies along the edge.
+    pub(super) fn is_beside(&self, face: FaceId) -> bool {
+        self.faces.iter().any(|&(own, _)| own == face)
+    }
+
+    /// Which sides of a plane through the edge its faces hide: in front, behind.
+    pub(super) fn hidden_sides(&self, plane: &Plane, slack_m: f64) -> [bool; 2] {
+        let heights_m = || self.faces.iter().map(|&(_, inside)| plane.signed_distance_m(inside));
+        [heights_m().any(|height_m| height_m > slack_m), heights_m().any(|height_m| height_m < -slack_m)]
+    }
+}
+
+/// The edges that can be silhouettes, and the vertices that they end at.
 #[derive(Clone, Debug)]
 pub(super) struct OccluderEdges {
     pub(super) edges: Vec<OccluderEdge>,
-    /// Numbers of the edges at each vertex, ascending.
-    pub(super) at_vertex: Table<VertexId, Vec<usize>>,
-    slack_m: f64,
+    /// Number of each edge.
+    number: Table<EdgeId, Option<u32>>,
+    /// The ends of all edges, ascending.
+    pub(super) vertices: Vec<VertexId>,
 }
 
 impl OccluderEdges {
     pub(super) fn new(prepared: &Prepared) -> Self {
-        let mut edges: Vec<OccluderEdge> = Vec::new();
-        let mut at_vertex: Table<VertexId, Vec<usize>> = prepared.vertices_m.iter().map(|_| Vec::new()).collect();
         let inside: Table<FaceId, DVec3> =
-            prepared.faces.keys().map(|face| crate::geometry::polygon::centroid(&prepared.polygon_m(face))).collect();
+            prepared.faces.keys().map(|face| polygon::centroid(&prepared.polygon_m(face))).collect();
+        let mut edges: Vec<OccluderEdge> = Vec::new();
+        let mut vertices = Vec::new();
+        let mut number = Table::with_capacity(prepared.edges.len());
         for (id, edge) in prepared.edges.iter_enumerated() {
             let ends_m = edge.ends.map(|vertex| prepared.vertices_m[vertex]);
             if edge.faces.is_empty() || is_flat(prepared, &inside, &edge.faces, ends_m) {
+                number.push(None);
                 continue;
             }
-            edge.ends.iter().for_each(|&vertex| at_vertex[vertex].push(edges.len()));
+            number.push(Some(edges.len() as u32));
+            vertices.extend(edge.ends);
             let faces = edge.faces.iter().map(|&face| (face, inside[face])).collect();
             edges.push(OccluderEdge { edge: id, ends_m, faces });
         }
-        Self { edges, at_vertex, slack_m: prepared.tolerance.coplanar_m() }
+        vertices.sort_unstable();
+        vertices.dedup();
+        Self { edges, number, vertices }
     }
 
-    /// Whether `edge` is a silhouette seen from `eye`: its faces hide at most one of the sides of the plane of both.
-    pub(super) fn is_silhouette(&self, edge: &OccluderEdge, eye: DVec3) -> bool {
-        let [p, q] = edge.ends_m;
-        let Some(plane) = Plane::of_polygon(&[eye, p, q]) else { return false };
-        let heights_m = edge.faces.iter().map(|&(_, inside)| plane.signed_distance_m(inside));
-        let (mut above, mut below) = (false, false);
-        for height_m in heights_m {
-            above |= height_m > self.slack_m;
-            below |= height_m < -self.slack_m;
-        }
-        !(above && below)
+    /// The occluder edge of an edge, if it can hide something.
+    pub(super) fn of(&self, edge: EdgeId) -> Option<&OccluderEdge> {
+        self.number[edge].map(|number| &self.edges[number as usize])
     }
 }
 

@@ -1,44 +1,42 @@
-//! The event of the source's own plane: irradiance grows from zero with the depth below it.
+//! The event of the source's own plane: irradiance grows from zero with the depth below it (degree 1).
 //!
-//! A one-sided source below a ceiling cuts every wall in a line of degree 1. The plane is traced like a wedge, from each
-//! corner of the emitter, a quarter turn at a time.
+//! A one-sided source below a ceiling cuts every wall in a line. What sees the source edge-on is reached by rays in its
+//! plane from its corners, traced like a wedge a quarter turn at a time, and from its edges past the ends of what stands
+//! in the plane.
 
-use super::event::Surroundings;
-use super::strength::Sight;
+use super::features::Surroundings;
 use super::trace;
 use super::wedge::Wedge;
-use super::{DSegment, Degree, Emitter, Event};
+use super::{DSegment, Degree, Event, merge};
 use crate::geometry::PlaneFrame;
 use crate::id::EmitterId;
 
 impl Surroundings<'_> {
-    /// The segments in which the plane of an emitter meets the faces that its corners see.
-    pub(super) fn source_plane(&self, id: EmitterId, emitter: &Emitter) -> Vec<DSegment> {
+    /// The segments in which the plane of an emitter meets the faces that see the emitter.
+    pub(super) fn source_plane(&self, id: EmitterId) -> Vec<DSegment> {
+        let emitter = &self.features.emitters[id];
+        let event = Event::SourcePlane { emitter: id };
         let frame = PlaneFrame::new(emitter.plane, emitter.centroid_m);
         let reach_m = self.prepared.tolerance.extent_m;
         let axes = [frame.u, frame.v, -frame.u, -frame.v].map(|axis| axis * reach_m);
+        let faces = self.visibility.faces_meeting_plane(&emitter.plane, |_, _| true);
         let mut segments = Vec::new();
         for &corner in &emitter.corners {
-            let apex = self.prepared.vertices_m[corner];
+            let apex = emitter.plane.project(self.position(corner));
             for quarter in 0..4 {
                 let ends = [apex + axes[quarter], apex + axes[(quarter + 1) % 4]];
-                let Some(wedge) = Wedge::new(apex, ends, self.prepared.tolerance.weld_m()) else { continue };
-                let beyond = wedge.pieces(self.prepared, self.visibility, 0.0, |_| false);
-                for part in trace::received(&[], &beyond, |face| self.lit(face, apex)) {
-                    let ends_m = [0, 1].map(|i| wedge.point(part.s[i], part.nearness[i]));
-                    let receiver = self.prepared.oriented_plane(part.face);
-                    let at = ends_m[0].midpoint(ends_m[1]);
-                    let sight = Sight { emitter, receiver: &receiver, wedge: &emitter.plane, at };
-                    segments.push(DSegment {
-                        face: part.face,
-                        ends_m,
-                        degree: Degree::D1,
-                        strength: sight.of_source_plane(),
-                        event: Event::SourcePlane { emitter: id },
-                    });
-                }
+                let Some(wedge) = Wedge::new(apex, ends, self.weld_m()) else { continue };
+                let beyond = wedge.pieces_of(self.visibility, &faces);
+                let received = trace::received(&[], &beyond, |face| self.lit(face, apex));
+                segments.extend(received.iter().filter_map(|part| self.segment(&wedge, part, event, Degree::D1)));
             }
         }
-        segments
+        for apex in self.ends_of_blockers(&faces, &emitter.plane) {
+            for &edge in &emitter.outline {
+                let source = self.ends(edge).map(|end| emitter.plane.project(end));
+                segments.extend(self.pencil(apex, source, None, &faces, event));
+            }
+        }
+        merge::merge(segments, self.weld_m())
     }
 }

@@ -1,62 +1,316 @@
-//! How much jumps across a d-segment: an estimate from the geometry of its event, at the middle of the segment.
+//! How much jumps across a d-segment, at a point of it: exactly, from the geometry of its event.
 //!
-//! Seen from the receiver point `x`, at distance `r` from the source feature and `d` from the occluder feature, a step
-//! of `delta` across the segment moves the occluder by `w = delta (r - d) / d` over the source. The irradiance changes
-//! by radiance times cosines / r2 times the area that appears: `length * w` for two parallel edges (degree 1, per
-//! metre), `w^2 / 2` for a corner (degree 2, per square metre).
+//! An eye at the receiver point `x` sees lines at the distance `r` (source) and `d` (occluder) along one ray. When it moves
+//! across the segment by `delta`, whose angle with the event's plane has the sine `sin`, the lines move against each other
+//! in the image by the angle `delta sin (1/d - 1/r)`. Irradiance is radiance times the cosine at the receiver, summed over
+//! the solid angle that is seen. So there jumps
+//! - behind two lines in one plane (degree 1) the slope, by the sum of radiance, cosine and that speed over the angle in
+//!   which the lines are seen upon one another;
+//! - behind a corner and a line (degree 2) the curvature, by radiance, cosine, that speed squared, and the jump of slope
+//!   of the corner's image (`corner`);
+//! - in the source's plane the slope, by the sum of radiance and cosine over `r3` and the area that is seen;
+//! - at a contact (degree 0) the value, at most by what the emitters give there unhindered.
+
+use std::f64::consts::PI;
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
-use super::Emitter;
-use crate::geometry::Plane;
+use super::corner;
+use super::features::{Features, Surroundings};
+use super::trace;
+use super::wedge::{Crossing, Piece, Wedge};
+use super::{DSegment, Event};
+use crate::geometry::{Plane, polygon};
+use crate::id::{EdgeId, EmitterId, FaceId, PlaneId};
+use crate::prepare::Prepared;
+use crate::scene::Rgb;
+use crate::visibility::Visibility;
 
-/// The geometry of an event at a receiver point.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sight<'a> {
-    pub(super) emitter: &'a Emitter,
-    /// The oriented plane of the receiver.
-    pub(super) receiver: &'a Plane,
-    /// The plane of the wedge.
-    pub(super) wedge: &'a Plane,
-    /// The receiver point, in metres.
-    pub(super) at: DVec3,
+/// Three points and weights of Gauss and Legendre on 0 to 1.
+const GAUSS: [(f64, f64); 3] =
+    [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+/// What is farther by less than this stands upon a line at nearness 1.
+const UPON_THE_LINE: f64 = 1.0 - 1e-5;
+/// What is farther than a point by this share is behind it.
+const BEHIND: f64 = 1e-5;
+/// The angle under which lines are seen is divided into so many intervals at least for a sum over it.
+const PARTS: usize = 4;
+
+impl Features {
+    /// How much jumps across a d-segment of this scene at a point of it: irradiance, or its first or second derivative
+    /// across the segment, in W/m2, W/m3 or W/m4 by degree. Mean over the three colours.
+    pub fn jump(&self, prepared: &Prepared, visibility: &Visibility, segment: &DSegment, at_m: DVec3) -> f64 {
+        Surroundings { prepared, visibility, features: self }.jump(segment, at_m)
+    }
 }
 
-impl Sight<'_> {
-    /// Radiance times both cosines over r2, and the sine between the receiver and the wedge: what a square metre of the
-    /// source at `source` gives at the point, in W/m4.
-    fn power(&self, source: DVec3) -> (f64, f64) {
-        let ray = source - self.at;
-        let r2 = ray.length_squared().max(f64::MIN_POSITIVE);
-        let direction = ray / r2.sqrt();
-        let cosines = direction.dot(self.receiver.normal).abs() * direction.dot(self.emitter.plane.normal).abs();
-        let sine = self.receiver.normal.cross(self.wedge.normal).length();
-        (self.emitter.mean_radiance() * cosines / r2, sine)
+/// The receiver at a point of a d-segment.
+struct Receiver {
+    face: FaceId,
+    at: DVec3,
+    /// Its plane, towards its front.
+    plane: Plane,
+    /// Unit vector in it across the segment.
+    across: DVec3,
+}
+
+impl Surroundings<'_> {
+    pub(super) fn jump(&self, segment: &DSegment, at: DVec3) -> f64 {
+        let plane = self.prepared.oriented_plane(segment.face);
+        let along = (segment.ends_m[1] - segment.ends_m[0]).normalize_or_zero();
+        let receiver = Receiver { face: segment.face, at, across: plane.normal.cross(along), plane };
+        let jump = match segment.event {
+            Event::Contact { .. } => self.of_contact(&receiver),
+            Event::SourcePlane { emitter } => self.of_source_plane(&receiver, emitter),
+            Event::OccluderPlane { emitter, occluder } => self.of_occluder_plane(&receiver, emitter, occluder),
+            Event::EdgeEdge { source, occluder, .. } => self.of_edges(&receiver, source, occluder),
+            Event::VertexEdge { source, occluder, .. } => {
+                let corner = self.position(source);
+                let behind = self.emitted_behind(at, corner);
+                self.of_corner(&receiver, corner, self.ends(occluder), |to_eye, across| {
+                    let steps = corner::steps(self.features.corners.at(source), to_eye, corner::emitted(behind));
+                    corner::slope_jump(&steps, to_eye, across)
+                })
+            }
+            Event::EdgeVertex { source, occluder, .. } => {
+                let corner = self.position(occluder);
+                let Some(edge) = self.features.source_edge(source) else { return 0.0 };
+                let Some(wedge) = Wedge::new(corner, edge.ends_m, self.weld_m()) else { return 0.0 };
+                let behind = self.emitted_behind(at, corner + (corner - at) * wedge.nearness(at).abs());
+                let step = edge.step(corner, self.coplanar_m(), behind);
+                self.of_corner(&receiver, corner, self.ends(source), |to_eye, across| {
+                    let steps = corner::steps(self.features.corners.at(occluder), to_eye, corner::open);
+                    corner::slope_jump(&steps, to_eye, across) * step
+                })
+            }
+        };
+        jump.abs().element_sum() / 3.0
     }
 
-    fn magnification(&self, source: DVec3, occluder: DVec3) -> f64 {
-        let (r, d) = (source.distance(self.at), occluder.distance(self.at));
-        ((r - d) / d.max(f64::MIN_POSITIVE)).max(0.0)
+    /// Behind a corner and a line, one of the source and one of the occluder.
+    fn of_corner(
+        &self,
+        receiver: &Receiver,
+        corner: DVec3,
+        line: [DVec3; 2],
+        slope_jump: impl Fn(DVec3, DVec3) -> Rgb,
+    ) -> Rgb {
+        let Some(wedge) = Wedge::new(corner, line, self.weld_m()) else { return Rgb::ZERO };
+        let to_eye = receiver.at - corner;
+        let to_corner_m = to_eye.length();
+        // The nearness of the eye on the wedge through the line tells where its ray passes the line.
+        let to_line_m = to_corner_m * (1.0 - wedge.nearness(receiver.at)).abs();
+        let to_eye = to_eye / to_corner_m;
+        let cosine = receiver.plane.normal.dot(to_eye).abs();
+        let speed = receiver.across.dot(wedge.plane.normal) * (1.0 / to_line_m - 1.0 / to_corner_m);
+        slope_jump(to_eye, wedge.plane.normal) * cosine * speed * speed
     }
 
-    /// Jump of the slope behind two coplanar edges that overlap over `length_m` of the source, in W/m3.
-    pub(super) fn of_edges(&self, source: DVec3, occluder: DVec3, length_m: f64) -> f64 {
-        let (power, sine) = self.power(source);
-        power * length_m * sine * self.magnification(source, occluder)
+    /// Behind a source edge and an occluder edge in one plane.
+    fn of_edges(&self, receiver: &Receiver, source: EdgeId, occluder: EdgeId) -> Rgb {
+        let (Some(edge), Some(hider)) = (self.features.source_edge(source), self.features.occluders.of(occluder))
+        else {
+            return Rgb::ZERO;
+        };
+        let Some(view) = self.view(receiver, edge.ends_m, 1.0, |face| hider.is_beside(face)) else { return Rgb::ZERO };
+        let Some(line) = view.wedge.piece(receiver.face, Crossing::Through, hider.ends_m) else { return Rgb::ZERO };
+        let behind = self.emitted_behind(receiver.at, view.wedge.point(0.5 * (line.s[0] + line.s[1]), 1.0));
+        let step = edge.step(hider.ends_m[0].midpoint(hider.ends_m[1]), self.coplanar_m(), behind);
+        step * view.sum(
+            receiver,
+            |s| {
+                let inside = (line.s[0] < s && s < line.s[1]).then(|| line.nearness_at(s));
+                inside.map_or(0.0, |nearness| (nearness - 1.0).max(0.0))
+            },
+            &line.s,
+        )
     }
 
-    /// Jump of the curvature behind a corner and an edge, in W/m4.
-    pub(super) fn of_corner(&self, source: DVec3, occluder: DVec3) -> f64 {
-        let (power, sine) = self.power(source);
-        power * (sine * self.magnification(source, occluder)).powi(2)
+    /// Where the faces of a plane are seen edge-on before an emitter.
+    fn of_occluder_plane(&self, receiver: &Receiver, emitter: EmitterId, occluder: PlaneId) -> Rgb {
+        let emitter = &self.features.emitters[emitter];
+        let plane = self.prepared.planes[occluder].plane;
+        let faces: Vec<(FaceId, f64)> =
+            self.features.faces_in(occluder).map(|face| (face, self.free_sides(face, &plane))).collect();
+        let mut sum = 0.0;
+        for chord in self.chords(emitter, &plane) {
+            let beside = |face: FaceId| faces.iter().any(|&(own, _)| self.share_an_edge(own, face));
+            let Some(view) = self.view(receiver, chord, 1.0, beside) else { continue };
+            for &(face, sides) in &faces {
+                let corners = self.prepared.polygon_m(face);
+                let n = corners.len();
+                let lines = view.lines((0..n).map(|i| [corners[i], corners[(i + 1) % n]]));
+                let ends: SmallVec<[f64; 16]> = lines.iter().flat_map(|line| line.s).collect();
+                // The ray enters the face and leaves it: the lengths that are nearer to the eye than the emitter count.
+                sum += sides
+                    * view.sum(
+                        receiver,
+                        |s| {
+                            let inside = lines.iter().filter(|line| line.s[0] < s && s < line.s[1]);
+                            let (lo, hi) = inside
+                                .map(|line| line.nearness_at(s).max(1.0))
+                                .fold((f64::INFINITY, 1.0_f64), |(lo, hi), n| (lo.min(n), hi.max(n)));
+                            if lo < hi { hi - lo } else { 0.0 }
+                        },
+                        &ends,
+                    );
+            }
+        }
+        emitter.radiance * sum
     }
 
-    /// Jump of the slope where the receiver passes through the source's plane, in W/m3.
-    pub(super) fn of_source_plane(&self) -> f64 {
-        let ray = self.emitter.centroid_m - self.at;
-        let r = ray.length().max(f64::MIN_POSITIVE);
-        let cosine = (ray / r).dot(self.receiver.normal).abs();
-        let sine = self.receiver.normal.cross(self.wedge.normal).length();
-        self.emitter.mean_radiance() * self.emitter.area_m2 * cosine * sine / (r * r * r)
+    /// To how many sides of its plane a face hides more when it is turned out of the edge-on view: a plate to both, the face
+    /// of a body to one, and one between bodies on both sides to none.
+    fn free_sides(&self, face: FaceId, plane: &Plane) -> f64 {
+        let mut hidden = [false; 2];
+        for side in self.prepared.faces[face].sides.iter().flatten() {
+            if let Some(edge) = self.features.occluders.of(side.edge) {
+                let sides = edge.hidden_sides(plane, self.coplanar_m());
+                hidden = [hidden[0] || sides[0], hidden[1] || sides[1]];
+            }
+        }
+        2.0 - hidden.iter().filter(|&&side| side).count() as f64
+    }
+
+    fn share_an_edge(&self, one: FaceId, other: FaceId) -> bool {
+        let of = |face: FaceId| self.prepared.faces[face].sides.iter().flatten();
+        of(one).any(|side| of(other).any(|own| own.edge == side.edge))
+    }
+
+    /// In the plane of an emitter. Nothing stands inside a face, so where a ray reaches the near side of a face it sees
+    /// all of it edge-on, unless something stands upon that side.
+    fn of_source_plane(&self, receiver: &Receiver, emitter: EmitterId) -> Rgb {
+        let emitter = &self.features.emitters[emitter];
+        let mut sum = 0.0;
+        for &face in &emitter.faces {
+            let corners = self.prepared.polygon_m(face);
+            let inside = polygon::centroid(&corners);
+            let n = corners.len();
+            for i in 0..n {
+                let side = [corners[i], corners[(i + 1) % n]];
+                let along = (side[1] - side[0]).normalize_or_zero();
+                let across = |p: DVec3| (p - side[0]) - (p - side[0]).dot(along) * along;
+                if across(inside).dot(across(receiver.at)) >= 0.0 {
+                    continue;
+                }
+                // Faces along the other sides stand upon those, if at all.
+                let sides = &self.prepared.faces[face].sides;
+                let beside = |other: FaceId| {
+                    (0..n)
+                        .filter(|&j| j != i)
+                        .any(|j| sides[j].iter().any(|edge| self.prepared.edges[edge.edge].faces.contains(&other)))
+                };
+                let Some(view) = self.view(receiver, side, UPON_THE_LINE, beside) else { continue };
+                let lines = view.lines((1..n).map(|j| [corners[(i + j) % n], corners[(i + j + 1) % n]]));
+                let ends: SmallVec<[f64; 16]> = lines.iter().flat_map(|line| line.s).collect();
+                sum += view.sum(
+                    receiver,
+                    |s| {
+                        let far = lines.iter().filter(|line| line.s[0] < s && s < line.s[1]);
+                        1.0 - far.map(|line| line.nearness_at(s)).fold(1.0, f64::min)
+                    },
+                    &ends,
+                );
+            }
+        }
+        emitter.radiance * sum
+    }
+
+    /// At a contact: what the emitters before the receiver give unhindered, each as a disc of its area that is seen from its
+    /// middle.
+    fn of_contact(&self, receiver: &Receiver) -> Rgb {
+        let disc = |emitter: &super::Emitter| {
+            let ray = emitter.centroid_m - receiver.at;
+            let r2 = ray.length_squared().max(f64::MIN_POSITIVE);
+            let direction = ray / r2.sqrt();
+            let cosines =
+                receiver.plane.normal.dot(direction).max(0.0) * (-emitter.plane.normal.dot(direction)).max(0.0);
+            emitter.radiance * (PI * cosines * emitter.area_m2 / (PI * r2 + emitter.area_m2))
+        };
+        self.features.emitters.iter().map(disc).sum()
+    }
+
+    /// The radiance that comes to `eye` along the ray that passes `point`, from emitters behind it.
+    fn emitted_behind(&self, eye: DVec3, point: DVec3) -> Rgb {
+        let ray = point - eye;
+        let mut nearest = (f64::INFINITY, Rgb::ZERO);
+        for emitter in &self.features.emitters {
+            let (height_m, slope_m) = (emitter.plane.signed_distance_m(eye), emitter.plane.normal.dot(ray));
+            let t = -height_m / slope_m;
+            // In front of the emitter, and beyond the point.
+            if !(height_m > 0.0 && t > 1.0 + BEHIND && t < nearest.0) {
+                continue;
+            }
+            let at = eye + t * ray;
+            let shines = |&face: &FaceId| {
+                let plane = self.prepared.oriented_plane(face);
+                let corners = self.visibility.boundary_m(face);
+                let inside = |i: usize| {
+                    let (from, to) = (corners[i], corners[(i + 1) % corners.len()]);
+                    (to - from).cross(at - from).dot(plane.normal) >= 0.0
+                };
+                (0..corners.len()).all(inside)
+                    && !self.visibility.occluded(point.lerp(at, BEHIND), at, [self.visibility.plane(face); 2])
+            };
+            if emitter.faces.iter().any(shines) {
+                nearest = (t, emitter.radiance);
+            }
+        }
+        nearest.1
+    }
+
+    /// What the receiver point sees of a line on a source, in the plane of both. Faces `but` are looked through.
+    ///
+    /// What stands upon the line hides it where `up_to` is less than 1.
+    fn view(&self, receiver: &Receiver, source: [DVec3; 2], up_to: f64, but: impl Fn(FaceId) -> bool) -> Option<View> {
+        let wedge = Wedge::new(receiver.at, source, self.weld_m())?;
+        let own = self.prepared.faces[receiver.face].plane;
+        let looked_through = |face: FaceId| self.visibility.plane(face) == own || but(face);
+        let pieces = wedge.pieces(self.visibility, up_to, looked_through);
+        Some(View { hiding: trace::part_at(&pieces, up_to, true), wedge })
+    }
+}
+
+/// A line on a source, seen from a receiver point.
+struct View {
+    /// From the point to the line.
+    wedge: Wedge,
+    /// What stands between.
+    hiding: Vec<Piece>,
+}
+
+impl View {
+    /// The parts of lines in the plane that are seen before or behind this one.
+    fn lines(&self, lines: impl Iterator<Item = [DVec3; 2]>) -> SmallVec<[Piece; 8]> {
+        // Any face id does: these pieces stop nothing.
+        lines.filter_map(|ends| self.wedge.piece(FaceId::from(0), Crossing::Through, ends)).collect()
+    }
+
+    /// The sum over the angle in which the line is seen of cosine, speed and `factor(direction)`, which is smooth between
+    /// `ends`; the speed is that of a line at nearness `factor + 1` against this one.
+    fn sum(&self, receiver: &Receiver, factor: impl Fn(f64) -> f64, ends: &[f64]) -> f64 {
+        let [u, v] = self.wedge.rays;
+        let mut cuts: SmallVec<[f64; 16]> = (0..=PARTS).map(|i| i as f64 / PARTS as f64).collect();
+        cuts.extend(ends.iter().copied());
+        cuts.extend(self.hiding.iter().flat_map(|piece| piece.s));
+        cuts.sort_by(f64::total_cmp);
+        let sine = receiver.across.dot(self.wedge.plane.normal).abs();
+        let turn = u.cross(v).length();
+        let mut sum = 0.0;
+        for pair in cuts.windows(2) {
+            let width = pair[1] - pair[0];
+            if width <= 0.0 || trace::is_stopped(&self.hiding, 0.5 * (pair[0] + pair[1])) {
+                continue;
+            }
+            for (at, weight) in GAUSS {
+                let s = pair[0] + at * width;
+                let ray = u.lerp(v, s);
+                // The angle of a step of s is turn / r2 of it, the speed of a line at nearness n is (n - 1) / r.
+                let r4 = ray.length_squared().powi(2);
+                sum += weight * width * factor(s) * receiver.plane.normal.dot(ray).max(0.0) * turn / r4;
+            }
+        }
+        sum * sine
     }
 }

@@ -25,6 +25,18 @@ pub(super) struct Received {
     pub(super) nearness: [f64; 2],
 }
 
+impl Received {
+    /// The part inside an interval of directions.
+    pub(super) fn clipped(&self, [from, to]: [f64; 2]) -> Option<Self> {
+        let at = |s: f64| {
+            let t = (s - self.s[0]) / (self.s[1] - self.s[0]);
+            self.nearness[0] + t * (self.nearness[1] - self.nearness[0])
+        };
+        let s = [self.s[0].max(from), self.s[1].min(to)];
+        (s[0] < s[1]).then(|| Self { s, nearness: s.map(at), ..*self })
+    }
+}
+
 /// The part of `pieces` that is nearer than `than`, or farther.
 pub(super) fn part_at(pieces: &[Piece], than: f64, nearer: bool) -> Vec<Piece> {
     let (least, most) =
@@ -80,6 +92,11 @@ pub(super) fn received(hiding: &[Piece], beyond: &[Piece], lit: impl Fn(FaceId) 
         last_piece = number;
     }
     result
+}
+
+/// Whether one of `pieces` stops a ray in direction `s`.
+pub(super) fn is_stopped(pieces: &[Piece], s: f64) -> bool {
+    first_stop(pieces, s).is_some()
 }
 
 /// The piece that stops a ray in direction `s` first: the nearest that goes through, or a ridge before it.

@@ -15,10 +15,10 @@
 //! ```
 
 use glam::{DVec2, DVec3};
+use smallvec::SmallVec;
 
 use crate::geometry::Plane;
 use crate::id::FaceId;
-use crate::prepare::Prepared;
 use crate::visibility::Visibility;
 
 /// A piece of a face narrower than this in direction is a point or radial: it hides nothing and receives nothing.
@@ -88,6 +88,12 @@ impl Wedge {
         self.apex + self.rays[0].lerp(self.rays[1], s) / n
     }
 
+    /// Nearness of a point of the wedge's plane; negative on the other side of the apex.
+    pub(super) fn nearness(&self, point: DVec3) -> f64 {
+        let coefficients = self.coefficients(point);
+        1.0 / (coefficients.x + coefficients.y)
+    }
+
     /// Coefficients of `point` along the border rays.
     fn coefficients(&self, point: DVec3) -> DVec2 {
         let (d, [u, v]) = (point - self.apex, self.rays);
@@ -96,15 +102,9 @@ impl Wedge {
         DVec2::new(du * vv - dv * uv, dv * uu - du * uv) / (uu * vv - uv * uv)
     }
 
-    /// The pieces of all faces in this wedge, as far as nearness `least_nearness`, without the faces `but`.
-    pub(super) fn pieces(
-        &self,
-        prepared: &Prepared,
-        visibility: &Visibility,
-        least_nearness: f64,
-        but: impl Fn(FaceId) -> bool,
-    ) -> Vec<Piece> {
-        let slack_m = prepared.tolerance.coplanar_m();
+    /// The faces whose boxes meet this wedge, as far as nearness `least_nearness`; ids ascend.
+    pub(super) fn faces(&self, visibility: &Visibility, least_nearness: f64) -> Vec<FaceId> {
+        let slack_m = visibility.tolerance().coplanar_m();
         let [u, v] = self.rays;
         // Half-spaces that bound the wedge in its plane: beyond each border ray, and beyond the farthest line.
         let inward = [v - u * (u.dot(v) / u.dot(u)), u - v * (u.dot(v) / v.dot(v))];
@@ -116,45 +116,75 @@ impl Wedge {
             let most = |n: DVec3| n.dot(centre) + n.abs().dot(half) + n.length() * slack_m;
             inward.iter().all(|&n| most(n) >= 0.0) && most(-outward) >= -reach
         };
-        let faces = visibility.faces_meeting_plane(&self.plane, keep);
-        faces.into_iter().filter(|&face| !but(face)).filter_map(|face| self.piece(prepared, face)).collect()
+        visibility.faces_meeting_plane(&self.plane, keep)
     }
 
-    /// The piece of a face in this wedge.
-    fn piece(&self, prepared: &Prepared, face: FaceId) -> Option<Piece> {
-        let slack_m = prepared.tolerance.coplanar_m();
-        let corners = prepared.polygon_m(face);
-        let heights_m: Vec<f64> = corners
-            .iter()
-            .map(|&corner| {
-                let height_m = self.plane.signed_distance_m(corner);
-                if height_m.abs() <= slack_m { 0.0 } else { height_m }
-            })
-            .collect();
-        let (mut above, mut below) = (false, false);
-        let mut ends: Vec<DVec3> = Vec::new();
-        for i in 0..corners.len() {
-            let j = (i + 1) % corners.len();
-            above |= heights_m[i] > 0.0;
-            below |= heights_m[i] < 0.0;
-            if heights_m[i] == 0.0 {
-                ends.push(corners[i]);
-            } else if heights_m[i] * heights_m[j] < 0.0 {
-                ends.push(corners[i].lerp(corners[j], heights_m[i] / (heights_m[i] - heights_m[j])));
-            }
-        }
-        let crossing = match (above, below) {
-            (true, true) => Crossing::Through,
-            (true, false) => Crossing::Front,
-            (false, true) => Crossing::Back,
-            // The face lies in the plane: rays only graze along it.
-            (false, false) => return None,
+    /// The pieces of some faces in this wedge.
+    pub(super) fn pieces_of(&self, visibility: &Visibility, faces: &[FaceId]) -> Vec<Piece> {
+        let piece = |&face: &FaceId| {
+            let (crossing, ends) = chord(visibility, face, &self.plane)?;
+            self.piece(face, crossing, ends)
         };
-        let ends = ends.iter().map(|&end| self.coefficients(end));
-        let first = ends.clone().min_by(|p, q| direction_order(*p).total_cmp(&direction_order(*q)))?;
-        let last = ends.max_by(|p, q| direction_order(*p).total_cmp(&direction_order(*q)))?;
-        clip_to_wedge([first, last]).map(|(s, nearness)| Piece { face, crossing, s, nearness })
+        faces.iter().filter_map(piece).collect()
     }
+
+    /// The pieces of all faces in this wedge, as far as nearness `least_nearness`, without the faces `but`.
+    pub(super) fn pieces(
+        &self,
+        visibility: &Visibility,
+        least_nearness: f64,
+        but: impl Fn(FaceId) -> bool,
+    ) -> Vec<Piece> {
+        let mut faces = self.faces(visibility, least_nearness);
+        faces.retain(|&face| !but(face));
+        self.pieces_of(visibility, &faces)
+    }
+
+    /// The part in this wedge of a line in its plane, a piece of `face`.
+    pub(super) fn piece(&self, face: FaceId, crossing: Crossing, ends: [DVec3; 2]) -> Option<Piece> {
+        let mut ends = ends.map(|end| self.coefficients(end));
+        if direction_order(ends[0]) > direction_order(ends[1]) {
+            ends.reverse();
+        }
+        clip_to_wedge(ends).map(|(s, nearness)| Piece { face, crossing, s, nearness })
+    }
+}
+
+/// How a face meets a plane, and its two ends there; `None` where it does not, or lies in it: rays in the plane only
+/// graze along such a face.
+pub(super) fn chord(visibility: &Visibility, face: FaceId, plane: &Plane) -> Option<(Crossing, [DVec3; 2])> {
+    let slack_m = visibility.tolerance().coplanar_m();
+    let boundary = visibility.boundary_m(face);
+    let snapped = |corner: DVec3| {
+        let height_m = plane.signed_distance_m(corner);
+        if height_m.abs() <= slack_m { 0.0 } else { height_m }
+    };
+    let (mut above, mut below) = (false, false);
+    let mut ends: SmallVec<[DVec3; 4]> = SmallVec::new();
+    let (mut from, mut from_m) = (*boundary.last()?, snapped(*boundary.last()?));
+    for &to in boundary {
+        let to_m = snapped(to);
+        if to_m == 0.0 {
+            ends.push(to);
+        } else if from_m * to_m < 0.0 {
+            ends.push(from.lerp(to, from_m / (from_m - to_m)));
+        }
+        above |= to_m > 0.0;
+        below |= to_m < 0.0;
+        (from, from_m) = (to, to_m);
+    }
+    let crossing = match (above, below) {
+        (true, true) => Crossing::Through,
+        (true, false) => Crossing::Front,
+        (false, true) => Crossing::Back,
+        (false, false) => return None,
+    };
+    let farthest = |from: DVec3| {
+        let away = |p: &&DVec3, q: &&DVec3| p.distance_squared(from).total_cmp(&q.distance_squared(from));
+        ends.iter().max_by(away).copied()
+    };
+    let first = farthest(*ends.first()?)?;
+    Some((crossing, [first, farthest(first)?]))
 }
 
 /// Orders the ends of a straight piece from the first border ray to the second.

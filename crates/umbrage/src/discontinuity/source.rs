@@ -1,0 +1,128 @@
+//! Features of the sources: the edges across which emitted light can step, and their corners.
+//!
+//! Events come from where the light of an emitter ends or changes, as the eye sees it: an edge between convex pieces of
+//! one emitter never steps, one between two touching emitters steps by their difference, one between two faces of a
+//! glowing box steps where only one of them is seen.
+
+use glam::DVec3;
+use smallvec::SmallVec;
+
+use super::Emitter;
+use crate::geometry::polygon;
+use crate::id::{EdgeId, EmitterId, FaceId, Table, VertexId};
+use crate::prepare::Prepared;
+use crate::scene::{Rgb, Scene};
+
+/// Directions whose sine is below this are one: rounding of f32 vertices on an edge of a hundredth of the extent.
+const STRAIGHT_SINE: f64 = 1e-5;
+
+/// A face beside an edge.
+#[derive(Clone, Copy, Debug)]
+struct Beside {
+    /// Away from the edge into the face, a unit vector across the edge.
+    inward: DVec3,
+    normal: DVec3,
+    radiance: Rgb,
+}
+
+/// An edge across which emitted light can step.
+#[derive(Clone, Debug)]
+pub(super) struct SourceEdge {
+    pub(super) edge: EdgeId,
+    /// The first emitter along it.
+    pub(super) emitter: EmitterId,
+    pub(super) ends: [VertexId; 2],
+    pub(super) ends_m: [DVec3; 2],
+    beside: SmallVec<[Beside; 2]>,
+}
+
+impl SourceEdge {
+    /// By how much radiance steps across the edge, as it is seen from `eye_m` before a background that emits `behind`. Faces
+    /// whose plane is within `slack_m` of the eye are seen edge-on.
+    pub(super) fn step(&self, eye_m: DVec3, slack_m: f64, behind: Rgb) -> Rgb {
+        let [from, to] = self.ends_m;
+        let to_eye = eye_m - from;
+        let across = (to - from).cross(to_eye).normalize_or_zero();
+        let towards = across.cross(to - from).normalize_or_zero();
+        let seen = |side: f64| {
+            let nearest = self
+                .beside
+                .iter()
+                .filter(|face| face.normal.dot(to_eye).abs() > slack_m && face.inward.dot(across) * side > 0.0)
+                .map(|face| (face.inward.dot(towards), face.normal.dot(to_eye) > 0.0, face.radiance))
+                .reduce(|best, next| if (next.0, next.1) > (best.0, best.1) { next } else { best });
+            nearest.map_or(behind, |(_, front, radiance)| if front { radiance } else { Rgb::ZERO })
+        };
+        seen(1.0) - seen(-1.0)
+    }
+}
+
+/// A corner of a source.
+#[derive(Clone, Debug)]
+pub(super) struct SourceVertex {
+    pub(super) vertex: VertexId,
+    /// The first emitter at it.
+    pub(super) emitter: EmitterId,
+    pub(super) at_m: DVec3,
+    /// Numbers of the source edges at it.
+    pub(super) edges: SmallVec<[usize; 3]>,
+}
+
+/// Edges and corners of all sources.
+#[derive(Clone, Debug)]
+pub(super) struct Sources {
+    pub(super) edges: Vec<SourceEdge>,
+    pub(super) vertices: Vec<SourceVertex>,
+}
+
+impl Sources {
+    pub(super) fn new(scene: &Scene, prepared: &Prepared, emitters: &Table<EmitterId, Emitter>) -> Self {
+        let mut of_face: Table<FaceId, Option<EmitterId>> = prepared.faces.iter().map(|_| None).collect();
+        for (id, emitter) in emitters.iter_enumerated() {
+            emitter.faces.iter().for_each(|&face| of_face[face] = Some(id));
+        }
+        let mut edges = Vec::new();
+        for (id, edge) in prepared.edges.iter_enumerated() {
+            let Some(emitter) = edge.faces.iter().filter_map(|&face| of_face[face]).min() else { continue };
+            if let &[one, other] = edge.faces.as_slice() {
+                let inside = of_face[one] == of_face[other] && prepared.faces[one].plane == prepared.faces[other].plane;
+                if inside && prepared.faces[one].facing == prepared.faces[other].facing {
+                    continue;
+                }
+            }
+            let ends_m = edge.ends.map(|vertex| prepared.vertices_m[vertex]);
+            let along = (ends_m[1] - ends_m[0]).normalize_or_zero();
+            let beside = |&face: &FaceId| {
+                let into = polygon::centroid(&prepared.polygon_m(face)) - ends_m[0];
+                Beside {
+                    inward: (into - into.dot(along) * along).normalize_or_zero(),
+                    normal: prepared.normal(face),
+                    radiance: scene.materials[prepared.faces[face].material].radiance,
+                }
+            };
+            let beside = edge.faces.iter().map(beside).collect();
+            edges.push(SourceEdge { edge: id, emitter, ends: edge.ends, ends_m, beside });
+        }
+        let vertices = vertices(prepared, &edges);
+        Self { edges, vertices }
+    }
+}
+
+/// The vertices at which source edges do not simply go straight on.
+fn vertices(prepared: &Prepared, edges: &[SourceEdge]) -> Vec<SourceVertex> {
+    let mut ends: Vec<(VertexId, usize)> =
+        edges.iter().enumerate().flat_map(|(i, edge)| edge.ends.map(|vertex| (vertex, i))).collect();
+    ends.sort_unstable();
+    ends.chunk_by(|p, q| p.0 == q.0)
+        .filter(|at| {
+            let along = |i: usize| (edges[at[i].1].ends_m[1] - edges[at[i].1].ends_m[0]).normalize_or_zero();
+            !(at.len() == 2 && along(0).cross(along(1)).length() < STRAIGHT_SINE)
+        })
+        .map(|at| SourceVertex {
+            vertex: at[0].0,
+            emitter: at.iter().map(|end| edges[end.1].emitter).min().unwrap_or(edges[at[0].1].emitter),
+            at_m: prepared.vertices_m[at[0].0],
+            edges: at.iter().map(|end| end.1).collect(),
+        })
+        .collect()
+}

@@ -1,0 +1,115 @@
+//! Events of occluders alone, and of two occluders and a source: told by their generators.
+//!
+//! Seen from the eye, three edges pass through one point (EEE), or an edge of one occluder passes a vertex of another, before
+//! an emitter. Both are found by a change of sign over a short step of the eye, and count where the point and an emitter
+//! there can be seen.
+
+use glam::DVec3;
+
+use super::light::{Convex, World};
+
+/// Edges end where they end; the eye's step moves what it sees by less than this share of an edge.
+const SLACK: f64 = 1e-3;
+/// A ray that passes inside a polygon by less than this, in metres, may pass beside it after a short step of the eye.
+const MARGIN_M: f64 = 5e-4;
+
+struct Edge {
+    ends: [DVec3; 2],
+    lit: bool,
+}
+
+impl Edge {
+    /// Normal of the plane through the edge and the eye.
+    fn plane(&self, eye: DVec3) -> DVec3 {
+        (self.ends[0] - eye).cross(self.ends[1] - eye)
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        self.ends.iter().any(|end| other.ends.contains(end))
+    }
+
+    /// How far along a ray, in its length, the edge is passed.
+    fn passed_at(&self, eye: DVec3, ray: DVec3) -> Option<f64> {
+        let (along, from) = (self.ends[1] - self.ends[0], self.ends[0] - eye);
+        let across = ray.cross(along);
+        let share = from.cross(ray).dot(across) / across.length_squared();
+        let distance = from.cross(along).dot(across) / across.length_squared();
+        (distance > 0.0 && (-SLACK..=1.0 + SLACK).contains(&share)).then_some(distance)
+    }
+}
+
+/// The edges of all polygons: a light hides what is behind it.
+fn edges(world: &World) -> Vec<Edge> {
+    let mut edges: Vec<Edge> = Vec::new();
+    for piece in &world.pieces {
+        for (i, &from) in piece.corners.iter().enumerate() {
+            let ends = [from, piece.corners[(i + 1) % piece.corners.len()]];
+            if !edges.iter().any(|edge| edge.ends == ends || edge.ends == [ends[1], ends[0]]) {
+                edges.push(Edge { ends, lit: piece.radiance > 0.0 });
+            }
+        }
+    }
+    edges
+}
+
+/// Where a ray meets a polygon, in its length, farther than `margin_m` inside.
+fn hit(piece: &Convex, eye: DVec3, ray: DVec3, margin_m: f64) -> Option<f64> {
+    let c = &piece.corners;
+    let normal = (c[1] - c[0]).cross(c[2] - c[0]).normalize();
+    let t = normal.dot(c[0] - eye) / normal.dot(ray);
+    let at = eye + t * ray;
+    let inside = (0..c.len()).all(|i| {
+        let side = (c[(i + 1) % c.len()] - c[i]).normalize();
+        normal.cross(side).dot(at - c[i]) > margin_m
+    });
+    (t.is_finite() && t > 1e-9 && inside).then_some(t)
+}
+
+/// Whether nothing stands on a ray before `until`.
+fn is_open(world: &World, eye: DVec3, ray: DVec3, until: f64) -> bool {
+    let stops = |piece: &Convex| hit(piece, eye, ray, MARGIN_M).is_some_and(|t| t < until * (1.0 - SLACK));
+    !world.pieces.iter().any(stops)
+}
+
+/// Whether a ray sees an emitter behind all that it passes.
+fn sees_light(world: &World, eye: DVec3, ray: DVec3, behind: f64) -> bool {
+    world
+        .pieces
+        .iter()
+        .filter(|piece| piece.radiance > 0.0)
+        .any(|piece| hit(piece, eye, ray, -MARGIN_M).is_some_and(|t| t > behind && is_open(world, eye, ray, t)))
+}
+
+/// Whether an event of occluders alone, or of two occluders and a source edge, happens between two places of the eye.
+pub fn is_owed_to_occluders(world: &World, from: DVec3, to: DVec3) -> bool {
+    let edges = edges(world);
+    let eye = from.midpoint(to);
+    let changes = |f: &dyn Fn(DVec3) -> f64| f(from) * f(to) <= 0.0;
+    for (i, one) in edges.iter().enumerate() {
+        let other_dark = edges.iter().filter(|edge| !edge.lit && !one.lit).flat_map(|edge| edge.ends);
+        for vertex in other_dark.filter(|vertex| !one.ends.contains(vertex)) {
+            let ray = vertex - eye;
+            if changes(&|eye| one.plane(eye).dot(vertex - eye))
+                && one.passed_at(eye, ray).is_some_and(|at| sees_light(world, eye, ray, at.max(1.0)))
+            {
+                return true;
+            }
+        }
+        for (j, other) in edges.iter().enumerate().skip(i + 1).filter(|(_, other)| !one.meets(other)) {
+            let ray = one.plane(eye).cross(other.plane(eye)).normalize_or_zero();
+            let both = |ray: DVec3| Some((ray, one.passed_at(eye, ray)?.max(other.passed_at(eye, ray)?)));
+            let Some((ray, behind)) = both(ray).or_else(|| both(-ray)) else { continue };
+            for third in edges[j + 1..].iter().filter(|third| !one.meets(third) && !other.meets(third)) {
+                let Some(at) = third.passed_at(eye, ray) else { continue };
+                let farthest = behind.max(at);
+                if changes(&|eye| one.plane(eye).cross(other.plane(eye)).dot(third.plane(eye)))
+                    && (sees_light(world, eye, ray, farthest)
+                        || (one.lit || other.lit || third.lit) && is_open(world, eye, ray, farthest))
+                {
+                    return true;
+                }
+            }
+        }
+    }
+    false
+}

@@ -1,0 +1,14 @@
+//! The d-segments of scenes, against light that is calculated without them, and against closed forms.
+#![allow(
+    unreachable_pub,
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test fails by panicking, and says what it counted"
+)]
+
+mod alone;
+mod breaks;
+mod closed_forms;
+mod light;
+mod proof;
+mod random;
