@@ -81,6 +81,12 @@ impl Writer<'_> {
         match event {
             Event::Contact { edge } => record.with("occluder", self.edge(edge)),
             Event::SourcePlane { emitter } => record.with("emitter", emitter.index().to_string()),
+            Event::OccluderPlane { emitter, occluder } => {
+                let in_plane = self.prepared.faces.iter_enumerated().filter(|(_, face)| face.plane == occluder);
+                record
+                    .with("emitter", emitter.index().to_string())
+                    .with("occluder", Record::default().with("faces", ids(in_plane.map(|(id, _)| id.index()))).end())
+            }
             Event::EdgeEdge { emitter, source, occluder } => record
                 .with("emitter", emitter.index().to_string())
                 .with("source", self.edge(source))

@@ -32,6 +32,9 @@ use crate::visibility::Visibility;
 /// Where no smallest area is given, this share of the area of all faces: 4,000 patches if all were as small.
 const MIN_AREA_OF_TOTAL: f64 = 2.5e-4;
 
+/// d-segments that change irradiance by less than this share of the tolerance are left out.
+const WEAK_OF_TOLERANCE: f64 = 1.0;
+
 /// How a scene is baked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BakeSettings {
@@ -66,6 +69,14 @@ impl Default for BakeSettings {
 }
 
 impl BakeSettings {
+    /// d-segments weaker than this share of the mean irradiance are not looked at.
+    fn weak_share(&self) -> f64 {
+        if let Ok(k) = std::env::var("WEAKK") {
+            return k.parse().unwrap_or(0.0);
+        }
+        if self.shade.tolerance.is_finite() { WEAK_OF_TOLERANCE * self.shade.tolerance } else { 0.0 }
+    }
+
     fn mesh(&self) -> MeshSettings {
         MeshSettings { score: self.score, mend_bad_shapes: self.mend_bad_shapes }
     }
@@ -163,7 +174,7 @@ pub fn bake(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> R
     clock.end_of(Stage::Prepare);
 
     let discontinuities = if settings.discontinuities {
-        discontinuity::find(scene, &prepared, &visibility, progress)?
+        discontinuity::find(scene, &prepared, &visibility, settings.weak_share(), progress)?
     } else {
         Discontinuities::default()
     };
@@ -223,7 +234,7 @@ pub struct DrawnSegment {
 /// # Errors
 /// A [`BakeError`] where the scene is refused or the callback cancels.
 pub fn d_segments(scene: &Scene, progress: Progress<'_>) -> Result<Vec<DrawnSegment>, BakeError> {
-    let Traced { prepared, discontinuities } = trace(scene, progress)?;
+    let Traced { prepared, discontinuities } = trace(scene, 0.0, progress)?;
     let drawn = discontinuities.segments.iter().map(|segment| DrawnSegment {
         degree: segment.degree.number() as u8,
         ends_m: segment.ends_m.map(|end| prepared.origin_m + end),
@@ -241,14 +252,15 @@ pub struct Traced {
     pub discontinuities: Discontinuities,
 }
 
-/// Runs the stages up to `discontinuity`: what made every d-segment is in the result.
+/// Runs the stages up to `discontinuity`: what made every d-segment is in the result. Those that are weaker than
+/// `least_share` are left out (see [`discontinuity::find`]); 0 keeps all.
 ///
 /// # Errors
 /// A [`BakeError`] where the scene is refused or the callback cancels.
-pub fn trace(scene: &Scene, progress: Progress<'_>) -> Result<Traced, BakeError> {
+pub fn trace(scene: &Scene, least_share: f64, progress: Progress<'_>) -> Result<Traced, BakeError> {
     scene.validate()?;
     let prepared = prepare::prepare(scene, progress)?;
-    let discontinuities = discontinuity::find(scene, &prepared, &Visibility::new(&prepared), progress)?;
+    let discontinuities = discontinuity::find(scene, &prepared, &Visibility::new(&prepared), least_share, progress)?;
     Ok(Traced { prepared, discontinuities })
 }
 
@@ -268,7 +280,7 @@ pub struct Meshed {
 /// # Errors
 /// A [`BakeError`] where the scene is refused or the callback cancels.
 pub fn subdivided(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> Result<Meshed, BakeError> {
-    let Traced { prepared, mut discontinuities } = trace(scene, progress)?;
+    let Traced { prepared, mut discontinuities } = trace(scene, settings.weak_share(), progress)?;
     if !settings.discontinuities {
         discontinuities = Discontinuities::default();
     }

@@ -49,7 +49,7 @@ impl Surroundings<'_> {
         let pieces = wedge.pieces(self.visibility, 0.0, |face| edge.is_beside(face));
         let hiding = trace::part_at(&pieces, 1.0, true);
         let beyond = trace::part_at(&pieces, 1.0, false);
-        let received = trace::received(&hiding, &beyond, |face| self.lit(face, apex));
+        let received = self.received(&wedge, &hiding, &beyond);
         let event = Event::VertexEdge { emitter: source.emitter, source: source.vertex, occluder: edge.edge };
         self.open_segments(&wedge, &received, &open, event)
     }
@@ -74,7 +74,7 @@ impl Surroundings<'_> {
         let away = towards.opposite();
         let hiding = trace::part_at(&towards.pieces(self.visibility, 1.0, |_| false), 1.0, true);
         let beyond = away.pieces(self.visibility, 0.0, |_| false);
-        let received = trace::received(&hiding, &beyond, |face| self.lit(face, apex));
+        let received = self.received(&away, &hiding, &beyond);
         let event = Event::EdgeVertex { emitter: source.emitter, source: source.edge, occluder: vertex };
         self.open_segments(&away, &received, &open, event)
     }

@@ -1,12 +1,14 @@
 //! What events are made of: emitters, the features of sources and occluders, and the questions that all events ask.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use glam::DVec3;
 
 use super::corner::Corners;
 use super::silhouette::OccluderEdges;
 use super::source::{SourceEdge, Sources};
-use super::trace::Received;
-use super::wedge::Wedge;
+use super::trace::{self, Received};
+use super::wedge::{Piece, Wedge};
 use super::{DSegment, Degree, Emitter, Event, emitter};
 use crate::geometry::Plane;
 use crate::id::{EdgeId, EmitterId, FaceId, PlaneId, Table, VertexId};
@@ -63,6 +65,8 @@ pub(super) struct Surroundings<'a> {
     pub(super) prepared: &'a Prepared,
     pub(super) visibility: &'a Visibility,
     pub(super) features: &'a Features,
+    /// Wedges traced so far.
+    pub(super) wedges: &'a AtomicUsize,
 }
 
 impl Surroundings<'_> {
@@ -80,6 +84,12 @@ impl Surroundings<'_> {
 
     pub(super) fn weld_m(&self) -> f64 {
         self.prepared.tolerance.weld_m()
+    }
+
+    /// The faces that receive the rays of a wedge (see [`trace::received`]).
+    pub(super) fn received(&self, wedge: &Wedge, hiding: &[Piece], beyond: &[Piece]) -> Vec<Received> {
+        self.wedges.fetch_add(1, Ordering::Relaxed);
+        trace::received(hiding, beyond, |face| self.lit(face, wedge.apex))
     }
 
     /// Whether the front of a face is turned to `eye`, and it shows received light.

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::features::Surroundings;
 use super::{DSegment, Emitter, Features, contact};
+use crate::geometry::polygon;
 use crate::id::{DSegmentId, EmitterId, FaceId, PlaneId, Table};
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress, Stage};
@@ -26,6 +27,8 @@ pub struct Discontinuities {
     pub emitters: Table<EmitterId, Emitter>,
     /// The d-segments, by face and event.
     pub segments: Table<DSegmentId, DSegment>,
+    /// How many wedges were traced.
+    pub wedges: usize,
 }
 
 impl Discontinuities {
@@ -37,7 +40,8 @@ impl Discontinuities {
     }
 }
 
-/// Calculates all discontinuity segments.
+/// Calculates all discontinuity segments, but for those that change irradiance by less than `least_share` of its mean over
+/// the width of their face: nothing would be seen of them. 0 keeps all, and those of degree 0 are always kept.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.
@@ -45,28 +49,41 @@ pub fn find(
     scene: &Scene,
     prepared: &Prepared,
     visibility: &Visibility,
+    least_share: f64,
     progress: Progress<'_>,
 ) -> Result<Discontinuities, Cancelled> {
     let features = Features::new(scene, prepared);
-    let around = Surroundings { prepared, visibility, features: &features };
+    let around = Surroundings { prepared, visibility, features: &features, wedges: &AtomicUsize::new(0) };
     let pairs = Pairs::new(prepared, &features);
     let parts = pairs.count().div_ceil(PAIRS_A_PART);
     let traced = AtomicUsize::new(0);
+    let least = least_share * mean_irradiance(prepared, &features);
+    let with_strength = |segment: DSegment| {
+        let strength = around.jump(&segment, segment.ends_m[0].midpoint(segment.ends_m[1]));
+        DSegment { strength, ..segment }
+    };
     let found: Vec<Vec<DSegment>> = (0..parts)
         .into_par_iter()
         .map(|part| {
             progress.report(Stage::Discontinuity, traced.fetch_add(1, Ordering::Relaxed), parts)?;
             let numbers = part * PAIRS_A_PART..((part + 1) * PAIRS_A_PART).min(pairs.count());
-            Ok(numbers.flat_map(|number| pairs.trace(number, &around)).collect())
+            let segments = numbers.flat_map(|number| pairs.trace(number, &around)).map(with_strength);
+            Ok(segments.filter(|segment| around.effect(segment) >= least).collect())
         })
         .collect::<Result<_, Cancelled>>()?;
-    let contacts = contact::contacts(prepared, |face: FaceId| features.receives[face]);
+    let contacts = contact::contacts(prepared, |face: FaceId| features.receives[face]).into_iter().map(with_strength);
     let mut segments: Vec<DSegment> = found.into_iter().flatten().chain(contacts).collect();
-    segments.par_iter_mut().for_each(|segment| {
-        segment.strength = around.jump(segment, segment.ends_m[0].midpoint(segment.ends_m[1]));
-    });
     segments.par_sort_by(|p, q| p.face.cmp(&q.face).then(p.event.cmp(&q.event)));
-    Ok(Discontinuities { emitters: features.emitters, segments: segments.into() })
+    let wedges = around.wedges.load(Ordering::Relaxed);
+    Ok(Discontinuities { emitters: features.emitters, segments: segments.into(), wedges })
+}
+
+/// What the emitters give to all faces together over their area, in W/m2: the mean of irradiance, if all light stays in the
+/// scene and is reflected by little.
+fn mean_irradiance(prepared: &Prepared, features: &Features) -> f64 {
+    let area_m2: f64 = prepared.faces.keys().map(|face| polygon::area_m2(&prepared.polygon_m(face))).sum();
+    let flux = |emitter: &Emitter| std::f64::consts::PI * emitter.mean_radiance() * emitter.area_m2;
+    features.emitters.iter().map(flux).sum::<f64>() / area_m2.max(f64::MIN_POSITIVE)
 }
 
 /// All pairs of a source feature and an occluder feature, numbered: first all VE, then all EV, and so on.
@@ -142,7 +159,7 @@ mod tests {
         let materials = vec![Material::diffuse("grey", Rgb::splat(0.5)), Material::emitting("light", Rgb::ONE)];
         let scene = Scene { materials: materials.into(), ..Scene::default() };
         let visibility = Visibility::new(&prepared);
-        let found = find(&scene, &prepared, &visibility, Progress::silent()).unwrap();
+        let found = find(&scene, &prepared, &visibility, 0.0, Progress::silent()).unwrap();
         (prepared, found)
     }
 
@@ -289,12 +306,32 @@ mod tests {
     }
 
     #[test]
+    fn weak_segments_are_left_out_and_the_others_stay_as_they_are() {
+        let plate = square(DVec3::Z, 0.5, 0.4, true);
+        let light = square(DVec3::Z * 2.0, 0.5, 0.0, false);
+        let all: Vec<_> = [(floor(), 0), (plate, 0), (light, 1)].to_vec();
+        let prepared = fixture::prepared_of_materials(&all);
+        let materials = vec![Material::diffuse("grey", Rgb::splat(0.5)), Material::emitting("light", Rgb::ONE)];
+        let scene = Scene { materials: materials.into(), ..Scene::default() };
+        let visibility = Visibility::new(&prepared);
+        let found = |least_share: f64| {
+            find(&scene, &prepared, &visibility, least_share, Progress::silent()).unwrap().segments.raw
+        };
+        let (all, strong) = (found(0.0), found(0.5));
+        assert!(!strong.is_empty() && strong.len() < all.len());
+        let weakest = strong.iter().map(|segment| segment.strength).fold(f64::INFINITY, f64::min);
+        let on_floor = |segment: &&DSegment| segment.face == FaceId::from(0) && segment.strength > 2.0 * weakest;
+        assert!(all.iter().filter(on_floor).all(|segment| strong.contains(segment)));
+        assert!(found(f64::INFINITY).is_empty());
+    }
+
+    #[test]
     fn a_cancelled_search_stops() {
         let stop = |_| std::ops::ControlFlow::Break(());
         let prepared = fixture::prepared_of_materials(&[(floor(), 0), (square(DVec3::Z, 0.5, 0.0, false), 1)]);
         let materials = vec![Material::diffuse("grey", Rgb::ONE), Material::emitting("light", Rgb::ONE)];
         let scene = Scene { materials: materials.into(), ..Scene::default() };
         let visibility = Visibility::new(&prepared);
-        assert_eq!(find(&scene, &prepared, &visibility, Progress::new(&stop)).unwrap_err(), Cancelled);
+        assert_eq!(find(&scene, &prepared, &visibility, 0.0, Progress::new(&stop)).unwrap_err(), Cancelled);
     }
 }

@@ -49,7 +49,7 @@ impl Surroundings<'_> {
             faces.extend(found);
             let hiding = trace::part_at(&pieces, 1.0, true);
             let beyond = trace::part_at(&pieces, 1.0, false);
-            let received = trace::received(&hiding, &beyond, |face| self.lit(face, apex));
+            let received = self.received(&wedge, &hiding, &beyond);
             segments.extend(received.iter().filter_map(|part| self.segment(&wedge, part, event, Degree::D1)));
         }
         for apex in occluder {
@@ -107,7 +107,7 @@ impl Surroundings<'_> {
         }
         let hiding = trace::part_at(&towards.pieces_of(self.visibility, faces), 1.0, true);
         let beyond = away.pieces_of(self.visibility, faces);
-        let received = trace::received(&hiding, &beyond, |face| self.lit(face, apex));
+        let received = self.received(&away, &hiding, &beyond);
         let passed = |part: &Received| -> Vec<Received> {
             if occluder.is_none() {
                 return vec![*part];

@@ -5,7 +5,6 @@
 //! in the plane.
 
 use super::features::Surroundings;
-use super::trace;
 use super::wedge::Wedge;
 use super::{DSegment, Degree, Event, merge};
 use crate::geometry::PlaneFrame;
@@ -27,7 +26,7 @@ impl Surroundings<'_> {
                 let ends = [apex + axes[quarter], apex + axes[(quarter + 1) % 4]];
                 let Some(wedge) = Wedge::new(apex, ends, self.weld_m()) else { continue };
                 let beyond = wedge.pieces_of(self.visibility, &faces);
-                let received = trace::received(&[], &beyond, |face| self.lit(face, apex));
+                let received = self.received(&wedge, &[], &beyond);
                 segments.extend(received.iter().filter_map(|part| self.segment(&wedge, part, event, Degree::D1)));
             }
         }

@@ -12,6 +12,7 @@
 //! - at a contact (degree 0) the value, at most by what the emitters give there unhindered.
 
 use std::f64::consts::PI;
+use std::sync::atomic::AtomicUsize;
 
 use glam::DVec3;
 use smallvec::SmallVec;
@@ -20,7 +21,7 @@ use super::corner;
 use super::features::{Features, Surroundings};
 use super::trace;
 use super::wedge::{Crossing, Piece, Wedge};
-use super::{DSegment, Event};
+use super::{DSegment, Degree, Event};
 use crate::geometry::{Plane, polygon};
 use crate::id::{EdgeId, EmitterId, FaceId, PlaneId};
 use crate::prepare::Prepared;
@@ -41,9 +42,15 @@ impl Features {
     /// How much jumps across a d-segment of this scene at a point of it: irradiance, or its first or second derivative
     /// across the segment, in W/m2, W/m3 or W/m4 by degree. Mean over the three colours.
     pub fn jump(&self, prepared: &Prepared, visibility: &Visibility, segment: &DSegment, at_m: DVec3) -> f64 {
-        Surroundings { prepared, visibility, features: self }.jump(segment, at_m)
+        Surroundings { prepared, visibility, features: self, wedges: &AtomicUsize::new(0) }.jump(segment, at_m)
     }
 }
+
+/// A parabola misses a kink in the middle of its span by this share of kink times span.
+const MISSED_KINK: f64 = 1.0 / 32.0;
+/// A parabola misses a jump of curvature in the middle of its span by this share of jump times span squared: the least
+/// greatest difference of `x |x|` and a multiple of `x` is `3 - 2 sqrt(2)`, an eighth of which counts.
+const MISSED_CURVATURE: f64 = 0.021_447;
 
 /// The receiver at a point of a d-segment.
 struct Receiver {
@@ -86,6 +93,22 @@ impl Surroundings<'_> {
             }
         };
         jump.abs().element_sum() / 3.0
+    }
+
+    /// By how much irradiance errs, in W/m2, if it is taken to be smooth over the whole face of a d-segment: what the strength
+    /// does over the width of the face.
+    pub(super) fn effect(&self, segment: &DSegment) -> f64 {
+        let plane = self.prepared.oriented_plane(segment.face);
+        let across = plane.normal.cross((segment.ends_m[1] - segment.ends_m[0]).normalize_or_zero());
+        let offsets = self.visibility.boundary_m(segment.face).iter().map(|corner| across.dot(*corner));
+        let (least, most) =
+            offsets.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), x| (least.min(x), most.max(x)));
+        let width_m = most - least;
+        match segment.degree {
+            Degree::D0 => f64::INFINITY,
+            Degree::D1 => MISSED_KINK * segment.strength * width_m,
+            Degree::D2 => MISSED_CURVATURE * segment.strength * width_m * width_m,
+        }
     }
 
     /// Behind a corner and a line, one of the source and one of the occluder.

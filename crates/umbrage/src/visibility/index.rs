@@ -16,6 +16,7 @@ use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
+use obvhs::bvh2::node::Bvh2Node;
 
 use crate::geometry::Tolerance;
 use crate::id::{FaceId, PlaneId, Table};
@@ -64,6 +65,25 @@ impl fmt::Debug for Visibility {
 impl Visibility {
     /// Builds the index of all faces.
     pub fn new(prepared: &Prepared) -> Self {
+        Self::with_tree(prepared, |faces| {
+            build_bvh2(faces, obvhs::BvhBuildParams::medium_build(), &mut Default::default())
+        })
+    }
+
+    /// An index without a tree, whose queries look at every face: the same answers, slowly. It is what benchmarks compare
+    /// with.
+    pub fn without_tree(prepared: &Prepared) -> Self {
+        Self::with_tree(prepared, |faces| {
+            let aabb = faces.iter().fold(Aabb::empty(), |all, face| all.union(&face.aabb()));
+            Bvh2 {
+                nodes: vec![Bvh2Node::new(aabb, faces.len() as u32, 0)],
+                primitive_indices: (0..faces.len() as u32).collect(),
+                ..Bvh2::default()
+            }
+        })
+    }
+
+    fn with_tree(prepared: &Prepared, build: impl FnOnce(&[IndexedFace]) -> Bvh2) -> Self {
         let mut corners_m = Vec::new();
         let mut faces: Table<FaceId, IndexedFace> = Table::new();
         for (id, face) in prepared.faces.iter_enumerated() {
@@ -77,11 +97,7 @@ impl Visibility {
                 max_m: mine.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
             });
         }
-        let tree = if faces.is_empty() {
-            Bvh2::default()
-        } else {
-            build_bvh2(faces.raw.as_slice(), obvhs::BvhBuildParams::medium_build(), &mut Default::default())
-        };
+        let tree = if faces.is_empty() { Bvh2::default() } else { build(faces.raw.as_slice()) };
         Self { tree, faces, corners_m, tolerance: prepared.tolerance }
     }
 

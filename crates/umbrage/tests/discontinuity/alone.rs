@@ -10,8 +10,9 @@ use super::light::{Convex, World};
 
 /// Edges end where they end; the eye's step moves what it sees by less than this share of an edge.
 const SLACK: f64 = 1e-3;
-/// A ray that passes inside a polygon by less than this, in metres, may pass beside it after a short step of the eye.
-const MARGIN_M: f64 = 5e-4;
+/// A ray that passes inside a polygon by less than this, in metres, may pass beside it after a short step of the eye, which
+/// shadows magnify.
+const MARGIN_M: f64 = 3e-3;
 
 struct Edge {
     ends: [DVec3; 2],
@@ -38,7 +39,8 @@ impl Edge {
     }
 }
 
-/// The edges of all polygons: a light hides what is behind it.
+/// The edges of all polygons, since a light hides what is behind it; and the lines in which polygons pierce one another,
+/// whose ends are vertices as good as any.
 fn edges(world: &World) -> Vec<Edge> {
     let mut edges: Vec<Edge> = Vec::new();
     for piece in &world.pieces {
@@ -49,7 +51,42 @@ fn edges(world: &World) -> Vec<Edge> {
             }
         }
     }
+    for (i, one) in world.pieces.iter().enumerate() {
+        for other in &world.pieces[i + 1..] {
+            if let Some(ends) = common_line(one, other) {
+                edges.push(Edge { ends, lit: false });
+            }
+        }
+    }
     edges
+}
+
+/// The line in which two polygons pierce one another.
+fn common_line(one: &Convex, other: &Convex) -> Option<[DVec3; 2]> {
+    let normal = |c: &[DVec3]| (c[1] - c[0]).cross(c[2] - c[0]).normalize();
+    let crossings = |of: &Convex, through: &Convex| -> Vec<DVec3> {
+        let (n, c) = (normal(&through.corners), &of.corners);
+        let height = |p: DVec3| n.dot(p - through.corners[0]);
+        let crossing = |i: usize| {
+            let (p, q) = (c[i], c[(i + 1) % c.len()]);
+            (height(p) * height(q) < 0.0).then(|| p.lerp(q, height(p) / (height(p) - height(q))))
+        };
+        (0..c.len()).filter_map(crossing).collect()
+    };
+    let along = normal(&one.corners).cross(normal(&other.corners)).normalize_or_zero();
+    let (mut of_one, mut of_other) = (crossings(one, other), crossings(other, one));
+    if of_one.len() != 2 || of_other.len() != 2 {
+        return None;
+    }
+    let by_place = |p: &DVec3, q: &DVec3| along.dot(*p).total_cmp(&along.dot(*q));
+    of_one.sort_by(by_place);
+    of_other.sort_by(by_place);
+    let later = |p: DVec3, q: DVec3| if along.dot(p) > along.dot(q) { p } else { q };
+    let (from, to) = (
+        later(of_one[0], of_other[0]),
+        if along.dot(of_one[1]) < along.dot(of_other[1]) { of_one[1] } else { of_other[1] },
+    );
+    (along.dot(to - from) > 1e-6).then_some([from, to])
 }
 
 /// Where a ray meets a polygon, in its length, farther than `margin_m` inside.

@@ -30,7 +30,7 @@ struct Found {
 
 impl Found {
     fn of(stage: &Stage) -> Self {
-        Self { traced: trace(&stage.scene, Progress::silent()).unwrap() }
+        Self { traced: trace(&stage.scene, 0.0, Progress::silent()).unwrap() }
     }
 
     fn world(&self, segment: &DSegment) -> [DVec3; 2] {

@@ -71,13 +71,14 @@ pub fn pyramid(half: f64, height: f64) -> Vec<Vec<DVec3>> {
     (0..4).map(|i| vec![base[i], base[(i + 1) % 4], DVec3::Z * height]).collect()
 }
 
-/// An L of two squares' width in the plane z = 0, and its two convex pieces.
+/// An L of two squares' width in the plane z = 0, and its two convex pieces, which
+/// have no vertices but its own: rounding would bend a side at another.
 pub fn l_shape(size: f64) -> (Vec<DVec3>, [Vec<DVec3>; 2]) {
     let p = |x: f64, y: f64| DVec3::new(size * x, size * y, 0.0);
     let outline = vec![p(0.0, 0.0), p(2.0, 0.0), p(2.0, 1.0), p(1.0, 1.0), p(1.0, 2.0), p(0.0, 2.0)];
     let pieces = [
-        vec![p(0.0, 0.0), p(2.0, 0.0), p(2.0, 1.0), p(0.0, 1.0)],
-        vec![p(0.0, 1.0), p(1.0, 1.0), p(1.0, 2.0), p(0.0, 2.0)],
+        vec![p(0.0, 0.0), p(2.0, 0.0), p(2.0, 1.0), p(1.0, 1.0)],
+        vec![p(0.0, 0.0), p(1.0, 1.0), p(1.0, 2.0), p(0.0, 2.0)],
     ];
     (outline, pieces)
 }
