@@ -11,6 +11,8 @@ use glam::DVec2;
 const CELL: DVec2 = DVec2::new(420.0, 420.0);
 /// Between cells, and around the sheet.
 const GAP: f64 = 28.0;
+/// The legend needs so much.
+const LEAST_WIDTH: f64 = 600.0;
 /// Height of a line of text.
 const LINE: f64 = 18.0;
 const COLUMNS: usize = 3;
@@ -87,7 +89,7 @@ impl Sheet {
             self.drawings.truncate(MOST_DRAWINGS);
         }
         let columns = self.drawings.len().clamp(1, COLUMNS);
-        let width = GAP + columns as f64 * (CELL.x + GAP);
+        let width = (GAP + columns as f64 * (CELL.x + GAP)).max(LEAST_WIDTH);
         let mut body = String::new();
         let mut y = GAP;
         text(&mut body, DVec2::new(GAP, y), "title", &self.title);
