@@ -1,6 +1,7 @@
 //! How light travels between patches: form factors, links, the oracle and `subdivide` (paper, sections 2 and 6).
 
 mod contour;
+pub mod exact;
 pub mod form_factor;
 mod link;
 mod oracle;
