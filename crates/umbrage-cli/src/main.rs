@@ -9,6 +9,7 @@
 mod bake;
 mod demo;
 mod exit_code;
+mod form_factor;
 mod info;
 mod interrupt;
 mod memory;
@@ -78,6 +79,7 @@ enum Command {
     Demo(demo::DemoArgs),
     Render(render::RenderArgs),
     Info(info::InfoArgs),
+    FormFactor(form_factor::FormFactorArgs),
 }
 
 fn main() {
@@ -113,6 +115,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Demo(args) => demo::run(args, output),
         Command::Render(args) => render::run(args, output),
         Command::Info(args) => info::run(args, output),
+        Command::FormFactor(args) => form_factor::run(args, output),
     }
 }
 

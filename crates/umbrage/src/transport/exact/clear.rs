@@ -43,7 +43,8 @@ pub fn polygon_to_polygon(receiver_m: &[DVec3], source_m: &[DVec3]) -> Exchange 
 
 /// Form factor times area, the same both ways, in square metres.
 pub(super) fn exchange_area_m2(receiver_m: &[DVec3], source_m: &[DVec3]) -> Part {
-    let (Some(receiver_plane), Some(source_plane)) = (Plane::of_polygon(receiver_m), Plane::of_polygon(source_m)) else {
+    let (Some(receiver_plane), Some(source_plane)) = (Plane::of_polygon(receiver_m), Plane::of_polygon(source_m))
+    else {
         return Part::default();
     };
     let receiver = clip::in_front_of(receiver_m, &source_plane, 0.0);
@@ -185,7 +186,9 @@ mod tests {
         let disc = |n: u32, radius: f64, z: f64, turn: f64| -> Vec<DVec3> {
             let step = 2.0 * PI / f64::from(n);
             let out = radius * (step / step.sin()).sqrt();
-            (0..n).map(|i| DVec3::new(out * (step * f64::from(i)).cos(), turn * out * (step * f64::from(i)).sin(), z)).collect()
+            (0..n)
+                .map(|i| DVec3::new(out * (step * f64::from(i)).cos(), turn * out * (step * f64::from(i)).sin(), z))
+                .collect()
         };
         for (radius, truth) in [(1.0, 0.3819660112501051), (0.5, 0.1715728752538099)] {
             let error = |n: u32| {
@@ -220,6 +223,16 @@ mod tests {
                 prop_assert!((sum - 1.0).abs() < 1e-10, "{sum} {factors:?}");
                 prop_assert!((sum - 1.0).abs() <= factors.iter().map(|exchange| exchange.error_bound).sum::<f64>() + 1e-15);
             }
+        }
+
+        #[test]
+        fn the_faces_of_a_nearly_flat_tetrahedron_too(p in point(), q in point(), r in point(), flat in -9.0..-1.0) {
+            let normal = (q - p).cross(r - p);
+            prop_assume!(normal.length() > 0.1);
+            let top = (p + q + r) / 3.0 + 10.0_f64.powf(flat) * normal.normalize();
+            let base = [p, q, r];
+            let sum: f64 = [[p, top, q], [q, top, r], [r, top, p]].iter().map(|side| polygon_to_polygon(&base, side).factor).sum();
+            prop_assert!((sum - 1.0).abs() < 1e-9, "{sum}");
         }
 
         #[test]

@@ -10,6 +10,7 @@ mod cell;
 mod clear;
 mod edge_pair;
 mod kink;
+mod penumbra;
 mod quadrature;
 mod table;
 mod visible;

@@ -100,9 +100,9 @@ pub(super) struct TriangleRule(Vec<([f64; 2], f64)>);
 impl TriangleRule {
     pub(super) fn new(n: usize) -> Self {
         let line = gauss(n);
-        let product = line.iter().flat_map(|&(u, wu)| {
-            line.iter().map(move |&(v, wv)| ([u, v * (1.0 - u)], 2.0 * wu * wv * (1.0 - u)))
-        });
+        let product = line
+            .iter()
+            .flat_map(|&(u, wu)| line.iter().map(move |&(v, wv)| ([u, v * (1.0 - u)], 2.0 * wu * wv * (1.0 - u))));
         Self(product.collect())
     }
 
