@@ -97,6 +97,7 @@ pub(crate) fn write(
     extras.insert("score".into(), settings.score.to_string().into());
     extras.insert("mend_bad_shapes".into(), settings.mend_bad_shapes.into());
     extras.insert("discontinuities".into(), settings.discontinuities.into());
+    extras.insert("error".into(), bake.report.error.into());
     let facts = BakeFacts { exposure, residual: bake.report.residual, extras };
     Ok(write_baked_glb(scene, &bake.mesh, &facts, path)?)
 }

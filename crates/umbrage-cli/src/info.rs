@@ -14,7 +14,7 @@ use umbrage::scene::{Rgb, Scene, SceneError};
 use crate::output::{Output, answer, warning};
 use crate::progress::Bar;
 use crate::scene_file::{SceneArgs, Unit};
-use crate::summary::{self, count, grouped};
+use crate::summary::{self, count, grouped, rgb, rounded};
 
 /// Tell what is in a scene: polygons, area, materials, what gives light and how much, gaps and defects
 #[derive(Debug, Args)]
@@ -159,31 +159,11 @@ fn describe(scene: &Scene, unit: Unit) -> String {
     text
 }
 
-/// A colour, or a quantity at red, green and blue.
-fn rgb(color: Rgb) -> String {
-    color.to_array().map(rounded).join(" ")
-}
-
-/// A number with four digits that count.
-fn rounded(x: f64) -> String {
-    let decimals = if x == 0.0 || !x.is_finite() { 0 } else { (3 - x.abs().log10().floor() as i32).clamp(0, 9) };
-    let text = format!("{x:.*}", decimals as usize);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
-}
-
 #[cfg(test)]
 mod tests {
     use umbrage::scene::cornell::cornell_box;
 
     use super::*;
-
-    #[test]
-    fn numbers_are_short() {
-        assert_eq!(
-            [0.0, 0.5, 123_456.0, 1.234_56, -0.000_123_45].map(rounded),
-            ["0", "0.5", "123456", "1.235", "-0.0001234"]
-        );
-    }
 
     #[test]
     fn the_cornell_box_is_described() {

@@ -34,10 +34,10 @@ fn err(output: &Output) -> String {
 fn help_names_every_command_and_shows_how() {
     let help = umbrage(&["--help"]);
     assert_eq!(code(&help), Some(0));
-    for word in ["bake", "demo", "render", "info", "form-factor", "Examples:", "Exit codes:"] {
+    for word in ["bake", "demo", "render", "info", "form-factor", "verify", "Examples:", "Exit codes:"] {
         assert!(out(&help).contains(word), "{word}");
     }
-    for command in ["bake", "demo", "render", "info", "form-factor"] {
+    for command in ["bake", "demo", "render", "info", "form-factor", "verify"] {
         let help = umbrage(&[command, "--help"]);
         assert_eq!(code(&help), Some(0), "{command}");
         assert!(out(&help).contains("Usage: umbrage"), "{command}");
@@ -232,4 +232,25 @@ fn form_factors_are_a_table() {
     let refused = umbrage(&["form-factor", &scene("furnace.glb"), "--from", "sofa"]);
     assert_eq!(code(&refused), Some(1));
     assert!(err(&refused).contains("\"sofa\"") && err(&refused).contains("--by"), "{}", err(&refused));
+}
+
+#[test]
+fn a_bake_is_verified_and_one_of_another_scene_is_not() {
+    let baked = folder("verified").join("baked.glb").display().to_string();
+    assert_eq!(code(&umbrage(&["bake", &scene("occluder.glb"), "-o", &baked])), Some(0));
+    let few = ["--points", "200", "--paths", "128"];
+    let verify = |more: &[&str]| umbrage(&[&["verify", &scene("occluder.glb"), &baked], &few[..], more].concat());
+    let good = verify(&["--max-error", "0.05"]);
+    assert_eq!(code(&good), Some(0), "{}{}", out(&good), err(&good));
+    for word in ["error", "bias", "noise", "estimate", "leaks         none", "worst", "W/m2 baked"] {
+        assert!(out(&good).contains(word), "{word} is not in\n{}", out(&good));
+    }
+    assert_eq!(err(&good), "");
+    let coarse = ["bake", &scene("occluder.glb"), "-o", &baked, "--tolerance", "none", "--no-discontinuities"];
+    assert_eq!(code(&umbrage(&coarse)), Some(0));
+    let bad = verify(&["--max-error", "0.05"]);
+    assert_eq!(code(&bad), Some(3), "{}{}", out(&bad), err(&bad));
+    assert!(err(&bad).contains("should be at most 5.000 %"), "{}", err(&bad));
+    let other = umbrage(&[&["verify", &scene("touching.glb"), &baked], &few[..]].concat());
+    assert!(out(&other).contains("uncovered") || code(&other) == Some(1), "{}{}", out(&other), err(&other));
 }
