@@ -5,12 +5,12 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use glam::DVec3;
-use umbrage::geometry::polygon;
 use umbrage::id::{MaterialId, SurfaceId};
 use umbrage::prepare::{self, Prepared};
 use umbrage::progress::Progress;
 use umbrage::scene::{Rgb, Scene, SceneError};
 
+use crate::light;
 use crate::output::{Output, answer, warning};
 use crate::progress::Bar;
 use crate::scene_file::{SceneArgs, Unit};
@@ -44,22 +44,6 @@ pub(crate) fn run(args: &InfoArgs, output: Output) -> anyhow::Result<()> {
         }
     }
     answer(&text)
-}
-
-/// Area of the polygons of a material that can be measured, in square metres; a double-sided one counts once.
-fn area_m2(scene: &Scene, material: MaterialId) -> f64 {
-    let areas = scene.surfaces.iter_enumerated().filter(|(_, s)| s.material == material).map(|(id, surface)| {
-        let sound = |&n: &usize| surface.polygons[n].iter().all(|&i| (i as usize) < surface.positions_m.len());
-        let area = |n| polygon::area_m2(&scene.corners_m(id, n).collect::<Vec<DVec3>>());
-        (0..surface.polygons.len()).filter(sound).map(area).sum::<f64>()
-    });
-    areas.sum()
-}
-
-/// Flux that an area of a material gives, in watts.
-fn flux_w(scene: &Scene, material: MaterialId, area_m2: f64) -> Rgb {
-    let sides = if scene.materials[material].double_sided { 2.0 } else { 1.0 };
-    sides * area_m2 * scene.materials[material].exitance()
 }
 
 /// The least and the greatest corner of all polygons, in metres.
@@ -114,7 +98,7 @@ fn describe(scene: &Scene, unit: Unit) -> String {
     let mut text = String::new();
     let mut line = |name: &str, value: String| line(&mut text, name, &value);
     let materials: Vec<(MaterialId, f64)> =
-        (0..scene.materials.len()).map(MaterialId::from).map(|id| (id, area_m2(scene, id))).collect();
+        (0..scene.materials.len()).map(MaterialId::from).map(|id| (id, light::area_m2(scene, id))).collect();
     line("scene", scene.name.clone());
     line("nodes", grouped(scene.nodes.len()));
     line("surfaces", grouped(scene.surfaces.len()));
@@ -147,14 +131,16 @@ fn describe(scene: &Scene, unit: Unit) -> String {
     let lights: Vec<(MaterialId, f64)> =
         materials.into_iter().filter(|&(id, area)| scene.materials[id].emits() && area > 0.0).collect();
     line("emitters", if lights.is_empty() { "none".into() } else { "flux of each in W (red, green, blue)".into() });
-    let mut total = Rgb::ZERO;
     for (id, area) in lights {
-        let flux = flux_w(scene, id, area);
-        total += flux;
-        line("", format!("{:?}: {}", scene.materials[id].name, rgb(flux)));
+        line("", format!("{:?}: {}", scene.materials[id].name, rgb(light::flux_w(scene, id, area))));
     }
-    if total != Rgb::ZERO {
-        line("", format!("total: {}", rgb(total)));
+    if !scene.lamps.is_empty() {
+        line("lamps", "flux of each in W (red, green, blue)".into());
+        scene.lamps.iter().for_each(|lamp| line("", light::describe_lamp(lamp)));
+    }
+    let fluxes = light::Fluxes::new(scene);
+    if fluxes.surfaces_w != Rgb::ZERO || fluxes.lamps_w != Rgb::ZERO {
+        line("", format!("total: {}", fluxes.describe()));
     }
     text
 }
@@ -172,15 +158,6 @@ mod tests {
         for expected in ["polygons    20", "total: 0.7885 0.5998 0.2896", "0.01365 m2", "0.556 x 0.5488 x 0.5592 m"] {
             assert!(text.contains(expected), "{expected} is not in\n{text}");
         }
-    }
-
-    #[test]
-    fn a_double_sided_light_gives_twice_the_flux() {
-        let mut scene = cornell_box();
-        let light = MaterialId::from(3);
-        let one = flux_w(&scene, light, 1.0);
-        scene.materials[light].double_sided = true;
-        assert_eq!(flux_w(&scene, light, 1.0), 2.0 * one);
     }
 
     #[test]

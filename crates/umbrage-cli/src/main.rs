@@ -12,6 +12,7 @@ mod exit_code;
 mod form_factor;
 mod info;
 mod interrupt;
+mod light;
 mod memory;
 mod method;
 mod output;

@@ -8,15 +8,17 @@ use umbrage::prepare::PrepareReport;
 use umbrage::scene::Rgb;
 use umbrage_formats::Written;
 
+use crate::light::Fluxes;
 use crate::memory;
 
 /// The summary of a bake that took `elapsed` with reading and writing.
-pub(crate) fn summary(report: &Report, written: &Written, elapsed: Duration) -> String {
+pub(crate) fn summary(report: &Report, fluxes: &Fluxes, written: &Written, elapsed: Duration) -> String {
     let mut text = format!("Baked in {}\n", seconds(elapsed.as_secs_f64()));
     let mut line = |name: &str, value: String| {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "  {name:<12}  {value}");
     };
+    line("light", format!("{} W (red, green, blue)", fluxes.describe()));
     let [d0, d1, d2] = report.d_segments.map(grouped);
     line("polygons", grouped(report.prepare.polygons));
     line("faces", grouped(report.faces));

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 use fastrand::Rng;
 use glam::DVec3;
-use umbrage::scene::{Rgb, Scene};
+use umbrage::scene::{Lamp, Rgb, Scene};
 
 use crate::emitters::Emitters;
 use crate::stratified;
@@ -24,6 +24,9 @@ pub(crate) const BATCHES: usize = 8;
 const FIRST_ROULETTE: usize = 2;
 /// A path goes on with at most this chance, so that it ends in a room without losses too.
 const MOST_SURVIVAL: f64 = 0.99;
+
+/// A ray of so many extents of the scene leaves it.
+const OUTSIDE_OF_EXTENT: f64 = 2.0;
 
 /// A point of a side.
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +69,7 @@ impl Paths<'_> {
             let n = side * side;
             let directions = stratified::square(side, &mut walk.rng);
             let (shares, spots) = (stratified::interval(n, &mut walk.rng), stratified::square(side, &mut walk.rng));
-            let mut sum = Rgb::ZERO;
+            let mut sum = self.by_lamps(place, &mut walk) * n as f64;
             for ((direction, share), spot) in directions.into_iter().zip(shares).zip(spots) {
                 sum += self.by_emitter(place, share, spot, &mut walk);
                 let (light, met) = self.along(place, direction, &mut walk);
@@ -99,6 +102,23 @@ impl Paths<'_> {
         }
         let density = self.emitters.density(material.exitance()) * distance_m * distance_m / facing.abs();
         material.radiance * cosine / (density + cosine / PI)
+    }
+
+    /// Irradiance by all lamps that a place sees.
+    fn by_lamps(&self, place: &Place, walk: &mut Walk) -> Rgb {
+        let from = |lamp: &Lamp| {
+            let Some(arriving) = lamp.arriving(place.position_m) else { return Rgb::ZERO };
+            let cosine = place.normal.dot(arriving.towards);
+            if cosine <= 0.0 {
+                return Rgb::ZERO;
+            }
+            walk.rays += 1;
+            let outside_m = OUTSIDE_OF_EXTENT * self.tracer.extent_m;
+            let distance_m = if arriving.distance_m.is_finite() { arriving.distance_m } else { outside_m };
+            let blocked = self.tracer.blocked(place.position_m, place.position_m + distance_m * arriving.towards);
+            if blocked { Rgb::ZERO } else { cosine * arriving.irradiance }
+        };
+        self.scene.lamps.iter().map(from).sum()
     }
 
     /// Irradiance by a ray that leaves by the cosine, and whether it met the front of a side.
@@ -135,7 +155,7 @@ impl Paths<'_> {
             let normal = if hit.front { triangle.normal } else { -triangle.normal };
             place = Place { position_m: place.position_m + hit.distance_m * outward, normal };
             let (share, spot) = (walk.rng.f64(), [walk.rng.f64(), walk.rng.f64()]);
-            sum += carried * self.by_emitter(&place, share, spot, walk);
+            sum += carried * (self.by_emitter(&place, share, spot, walk) + self.by_lamps(&place, walk));
             square = [walk.rng.f64(), walk.rng.f64()];
         }
         (sum, sees_a_side)

@@ -6,6 +6,7 @@ pub mod exact;
 mod exchange;
 mod fit;
 pub mod form_factor;
+mod lamps;
 mod link;
 mod oracle;
 mod sample;
