@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 use glam::{BVec3, DVec3};
 use umbrage::id::NodeId;
-use umbrage::scene::{Material, Node, Rgb, Scene, Surface, cornell};
+use umbrage::scene::{Lamp, LampKind, Material, Node, Rgb, Scene, Surface, cornell};
 use umbrage_verify::{BakedTriangle, Report, Settings, VerifyError, verify};
 
 /// Adds the faces of a box, looking outward or inward, as a surface.
@@ -100,6 +100,30 @@ fn light_in_a_sealed_box_is_a_leak() {
     assert!(report.dark > 50 && report.buried > 30 && report.uncovered == 0, "{report:?}");
     assert!(report.leaks.len() > 50 && report.leaks.len() < report.dark + report.buried, "{report:?}");
     assert!(report.leaks.iter().all(|leak| leak.position_m.x < 0.7 && leak.traced == Rgb::ZERO), "{report:?}");
+}
+
+#[test]
+fn lamps_shine_without_noise_and_cast_shadows() {
+    let mut scene = Scene::default();
+    add_box(&mut scene, DVec3::ZERO, DVec3::ONE, true, Material::diffuse("black", Rgb::ZERO));
+    let sun = LampKind::Directional { direction: DVec3::new(0.0, 0.6, -0.8), irradiance: Rgb::splat(5.0) };
+    scene.lamps.push(Lamp { name: "sun".into(), kind: sun });
+    // The box is closed: its backs keep the sun out.
+    let dark = lit(&scene, 0, |_| Rgb::ZERO);
+    let closed = check(&scene, &dark, 100, 8);
+    assert_eq!((closed.dark, closed.error.value, closed.noise), (100, 0.0, 0.0), "{closed:?}");
+    // Without its ceiling (the second face, towards +z) and its wall at y = 0 the floor has 4 and the wall behind it 3.
+    for face in [2, 1] {
+        scene.surfaces.raw[0].polygons.remove(face);
+    }
+    let open = |p: &BakedTriangle| (p.corners_m[1] - p.corners_m[0]).cross(p.corners_m[2] - p.corners_m[0]).normalize();
+    let mut baked = lit(&scene, 0, |_| Rgb::ZERO);
+    for triangle in &mut baked {
+        triangle.irradiance = [Rgb::splat(5.0 * open(triangle).dot(DVec3::new(0.0, -0.6, 0.8)).max(0.0)); 3];
+    }
+    let report = check(&scene, &baked, 100, 8);
+    assert!(report.error.value < 1e-12 && report.noise < 1e-12, "{report:?}");
+    assert!((report.mean_irradiance - 7.0 / 4.0).abs() < 0.1 && report.dark > 40, "{report:?}");
 }
 
 #[test]
