@@ -9,8 +9,10 @@
 mod bake;
 mod demo;
 mod exit_code;
+mod form_factor;
 mod info;
 mod interrupt;
+mod light;
 mod memory;
 mod method;
 mod output;
@@ -18,6 +20,7 @@ mod progress;
 mod render;
 mod scene_file;
 mod summary;
+mod verify;
 
 use std::process;
 
@@ -44,7 +47,8 @@ Examples:
   umbrage bake room.glb -o baked.glb     bake a scene of your own
   umbrage render baked.glb -o baked.png  a picture of the result
 
-Exit codes: 0 done, 1 failed (the message says why), 2 wrong usage, 130 interrupted (Ctrl-C).
+Exit codes: 0 done, 1 failed (the message says why), 2 wrong usage, 3 not as good as asked \
+(verify), 130 interrupted (Ctrl-C).
 `umbrage help COMMAND` tells more about a command.";
 
 #[derive(Debug, Parser)]
@@ -78,6 +82,8 @@ enum Command {
     Demo(demo::DemoArgs),
     Render(render::RenderArgs),
     Info(info::InfoArgs),
+    FormFactor(form_factor::FormFactorArgs),
+    Verify(verify::VerifyArgs),
 }
 
 fn main() {
@@ -93,7 +99,7 @@ fn main() {
         Err(error) if output::is_closed_pipe(&error) => ExitCode::Success,
         Err(error) => {
             output::error_chain(&error);
-            ExitCode::Failed
+            if error.is::<verify::NotGoodEnough>() { ExitCode::NotGoodEnough } else { ExitCode::Failed }
         }
     };
     process::exit(code.into());
@@ -113,6 +119,8 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Demo(args) => demo::run(args, output),
         Command::Render(args) => render::run(args, output),
         Command::Info(args) => info::run(args, output),
+        Command::FormFactor(args) => form_factor::run(args, output),
+        Command::Verify(args) => verify::run(args, output),
     }
 }
 

@@ -11,6 +11,7 @@ mod container;
 mod document;
 mod exposure;
 mod item;
+mod lamp;
 mod material;
 mod node;
 mod primitive;

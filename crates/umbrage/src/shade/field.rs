@@ -88,10 +88,11 @@ impl<'a> Places<'a> {
     }
 
     fn on_contact(&self, mesh: &Mesh, vertex: VertexId) -> bool {
-        match mesh.split_root(vertex) {
-            Some(root) => self.contact_edges.get(root.index()).copied().unwrap_or(false),
-            None => self.contact_vertices[vertex],
-        }
+        mesh.is_jump_vertex(vertex)
+            || match mesh.split_root(vertex) {
+                Some(root) => self.contact_edges.get(root.index()).copied().unwrap_or(false),
+                None => self.contact_vertices[vertex],
+            }
     }
 
     fn side(&self, mesh: &Mesh, patch: PatchId, jumps: bool) -> Side {
@@ -128,7 +129,7 @@ impl<'a> Places<'a> {
         vertices.sort_unstable();
         let jumps = ends.iter().any(|end| {
             let root = mesh.edges().root(end.leaf.edge);
-            self.contact_edges.get(root.index()).copied().unwrap_or(false)
+            mesh.is_jump(root) || self.contact_edges.get(root.index()).copied().unwrap_or(false)
         });
         let side = self.side(mesh, patch, jumps);
         let at_m = mesh.vertex_m(vertices[0]).midpoint(mesh.vertex_m(vertices[1]));

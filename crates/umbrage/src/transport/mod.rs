@@ -2,9 +2,11 @@
 
 mod contour;
 mod direct;
+pub mod exact;
 mod exchange;
 mod fit;
 pub mod form_factor;
+mod lamps;
 mod link;
 mod oracle;
 mod sample;
