@@ -14,9 +14,11 @@ mod interrupt;
 mod memory;
 mod method;
 mod output;
+mod page;
 mod progress;
 mod render;
 mod scene_file;
+mod shown;
 mod summary;
 
 use std::process;
@@ -43,6 +45,7 @@ Examples:
   umbrage info room.glb                  what is in a scene, and what gives light in it
   umbrage bake room.glb -o baked.glb     bake a scene of your own
   umbrage render baked.glb -o baked.png  a picture of the result
+  umbrage page baked.glb -o room.html    the result as a web page in one file
 
 Exit codes: 0 done, 1 failed (the message says why), 2 wrong usage, 130 interrupted (Ctrl-C).
 `umbrage help COMMAND` tells more about a command.";
@@ -77,6 +80,7 @@ enum Command {
     Bake(bake::BakeArgs),
     Demo(demo::DemoArgs),
     Render(render::RenderArgs),
+    Page(page::PageArgs),
     Info(info::InfoArgs),
 }
 
@@ -112,6 +116,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Bake(args) => bake::run(args, output),
         Command::Demo(args) => demo::run(args, output),
         Command::Render(args) => render::run(args, output),
+        Command::Page(args) => page::run(args, output),
         Command::Info(args) => info::run(args, output),
     }
 }

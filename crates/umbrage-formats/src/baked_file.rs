@@ -140,6 +140,30 @@ impl BakedFile {
         self.parts.iter().map(|part| part.triangles.len()).sum()
     }
 
+    /// What the irradiance, as the sum of its channels times `weights`, does not exceed on `share` (0 to 1) of the area,
+    /// in W/m2; 0 without triangles.
+    pub fn irradiance_quantile(&self, share: f64, weights: [f32; 3]) -> f64 {
+        let mut corners = Vec::new();
+        for part in &self.parts {
+            for triangle in &part.triangles {
+                let [a, b, c] = triangle.map(|v| DVec3::from(part.positions_m[v as usize].map(f64::from)));
+                let third_m2 = (b - a).cross(c - a).length() / 6.0;
+                corners.extend(triangle.map(|v| {
+                    let weighted = part.irradiance[v as usize].iter().zip(weights).map(|(e, w)| f64::from(e * w));
+                    (weighted.sum::<f64>(), third_m2)
+                }));
+            }
+        }
+        corners.sort_by(|x, y| x.0.total_cmp(&y.0));
+        let wanted_m2 = share * corners.iter().map(|(_, area_m2)| area_m2).sum::<f64>();
+        let mut below_m2 = 0.0;
+        let found = corners.iter().find(|(_, area_m2)| {
+            below_m2 += area_m2;
+            below_m2 >= wanted_m2
+        });
+        found.or(corners.last()).map_or(0.0, |(value, _)| *value)
+    }
+
     /// Number of vertices of all parts.
     pub fn vertex_count(&self) -> usize {
         self.parts.iter().map(|part| part.positions_m.len()).sum()

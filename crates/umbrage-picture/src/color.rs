@@ -25,6 +25,10 @@ pub const CONTRAST_LUMINANCE: f32 = 0.6;
 /// Luminous efficacy that turns W into lm where light is given in W alone: that of glTF and of the candela.
 pub const LUMENS_PER_WATT: f64 = 683.0;
 
+/// Share of a scene's area whose irradiance lies within the scale of false colours, where nobody says where it ends:
+/// spots beside a lamp are many times brighter than all else, and would leave the rest one colour.
+pub const SHARE_WITHIN_SCALE: f64 = 0.98;
+
 /// Brighter light than this counts as this: the greatest half-precision number, so that a shader can hold it.
 const LARGEST: f32 = 65504.0;
 

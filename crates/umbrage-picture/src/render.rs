@@ -41,7 +41,10 @@ pub enum Look {
         end: f32,
     },
     /// It stays what it is, also above 1: for files of light, and for pictures to compute with.
-    Raw,
+    Raw {
+        /// What it is multiplied with.
+        exposure: f32,
+    },
 }
 
 impl Look {
@@ -50,7 +53,7 @@ impl Look {
         match self {
             Self::Display { exposure, tone } => displayed(color, exposure, tone),
             Self::FalseColor { end } => on_scale(&SEQUENTIAL, luminance(color) / end),
-            Self::Raw => color,
+            Self::Raw { exposure } => color.map(|c| c * exposure),
         }
     }
 }
@@ -189,7 +192,7 @@ fn check(meshes: &[PictureMesh], line_sets: &[LineSet], settings: &RenderSetting
         return Err(RenderError::BadSize { width, height });
     }
     match look {
-        Look::Display { exposure, .. } if !(exposure.is_finite() && exposure >= 0.0) => {
+        Look::Display { exposure, .. } | Look::Raw { exposure } if !(exposure.is_finite() && exposure >= 0.0) => {
             return Err(RenderError::BadExposure(exposure));
         }
         Look::FalseColor { end } if !(end.is_finite() && end > 0.0) => return Err(RenderError::BadScale(end)),
@@ -368,7 +371,7 @@ mod tests {
         for (seen, expected) in seen(Look::FalseColor { end: 8.0 }).iter().zip(expected) {
             assert!((seen - expected).abs() < 1e-5, "{seen} {expected}");
         }
-        assert_eq!(seen(Look::Raw), [6.0, 2.0, 4.0]);
+        assert_eq!(seen(Look::Raw { exposure: 2.0 }), [12.0, 4.0, 8.0]);
         assert_eq!(seen(display(0.125)), [0.75, 0.25, 0.5]);
     }
 
