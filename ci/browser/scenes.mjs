@@ -30,6 +30,20 @@ export function bake() {
   writeFileSync(file("textured.glb"), withTexture(readFileSync(file("cornell.glb"))));
 }
 
+/** Bakes all scenes once more, so dark that no colour but a lamp's is cut off at white. */
+export function bakeDim() {
+  bake();
+  for (const name of ["cornell", "touching"]) {
+    const exposure = String(0.25 * json(readFileSync(file(`${name}.glb`))).asset.extras.umbrage.exposure);
+    const scene = path.join(root, `testdata/scenes/${name}.glb`);
+    umbrage("bake", scene, "-o", file(`${name}-dim.glb`), "--exposure", exposure);
+  }
+  writeFileSync(file("textured-dim.glb"), withTexture(readFileSync(file("cornell-dim.glb"))));
+  return SCENES.map((scene) => ({ ...scene, name: `${scene.name}-dim` }));
+}
+
+const json = (bytes) => JSON.parse(bytes.subarray(20, 20 + bytes.readUInt32LE(12)));
+
 /** The reference picture of a scene. */
 export function reference(scene, name, ...words) {
   const [width, height] = SIZE.map(String);
@@ -38,22 +52,22 @@ export function reference(scene, name, ...words) {
   return file(name);
 }
 
-/** A baked GLB with a texture on all surfaces, as a later bake may write it: smooth waves, laid out by position. */
+/** A baked GLB with a texture on all surfaces but lamps, as a later bake may write it: smooth waves, laid out by position. */
 function withTexture(bytes) {
   const jsonLength = bytes.readUInt32LE(12);
-  const json = JSON.parse(bytes.subarray(20, 20 + jsonLength));
+  const document = json(bytes);
   const parts = [bytes.subarray(28 + jsonLength)];
   let length = parts[0].length;
   const view = (data) => {
-    json.bufferViews.push({ buffer: 0, byteOffset: length, byteLength: data.length });
+    document.bufferViews.push({ buffer: 0, byteOffset: length, byteLength: data.length });
     const padded = Buffer.concat([data, Buffer.alloc(-data.length & 3)]);
     parts.push(padded);
     length += padded.length;
-    return json.bufferViews.length - 1;
+    return document.bufferViews.length - 1;
   };
-  for (const { attributes } of json.meshes.flatMap((mesh) => mesh.primitives)) {
-    const { bufferView, count, byteOffset = 0 } = json.accessors[attributes.POSITION];
-    const { byteOffset: start = 0, byteStride = 12 } = json.bufferViews[bufferView];
+  for (const { attributes } of document.meshes.flatMap((mesh) => mesh.primitives)) {
+    const { bufferView, count, byteOffset = 0 } = document.accessors[attributes.POSITION];
+    const { byteOffset: start = 0, byteStride = 12 } = document.bufferViews[bufferView];
     const uvs = Buffer.alloc(8 * count);
     for (let i = 0; i < count; i++) {
       const at = start + byteOffset + i * byteStride;
@@ -61,8 +75,8 @@ function withTexture(bytes) {
       uvs.writeFloatLE(2 * (x + 0.3 * z), 8 * i);
       uvs.writeFloatLE(2 * (y - 0.7 * z), 8 * i + 4);
     }
-    json.accessors.push({ bufferView: view(uvs), componentType: 5126, count, type: "VEC2" });
-    attributes.TEXCOORD_0 = json.accessors.length - 1;
+    document.accessors.push({ bufferView: view(uvs), componentType: 5126, count, type: "VEC2" });
+    attributes.TEXCOORD_0 = document.accessors.length - 1;
   }
   const image = new PNG({ width: 64, height: 64, colorType: 2 });
   for (let i = 0; i < 64 * 64; i++) {
@@ -70,12 +84,13 @@ function withTexture(bytes) {
     image.data.set([Math.sin(u), Math.cos(v), Math.sin(u + v)].map((wave) => Math.round(180 + 60 * wave)), 4 * i);
     image.data[4 * i + 3] = 255;
   }
-  json.images = [{ bufferView: view(PNG.sync.write(image, { colorType: 2 })), mimeType: "image/png" }];
-  json.samplers = [{ magFilter: 9729, minFilter: 9987, wrapS: 10497, wrapT: 33648 }];
-  json.textures = [{ source: 0, sampler: 0 }];
-  for (const material of json.materials) material.pbrMetallicRoughness.baseColorTexture = { index: 0 };
-  json.buffers[0].byteLength = length;
-  const text = Buffer.from(JSON.stringify(json));
+  document.images = [{ bufferView: view(PNG.sync.write(image, { colorType: 2 })), mimeType: "image/png" }];
+  document.samplers = [{ magFilter: 9729, minFilter: 9987, wrapS: 10497, wrapT: 33648 }];
+  document.textures = [{ source: 0, sampler: 0 }];
+  const reflecting = document.materials.filter((material) => !material.extras?.umbrage?.radiance);
+  for (const material of reflecting) material.pbrMetallicRoughness.baseColorTexture = { index: 0 };
+  document.buffers[0].byteLength = length;
+  const text = Buffer.from(JSON.stringify(document));
   const padded = Buffer.concat([text, Buffer.alloc(-text.length & 3, " ")]);
   const head = Buffer.alloc(20);
   head.write("glTF");
