@@ -166,19 +166,21 @@ impl Mesh {
 
     /// The unsplit patch of a face that a point of it lies in; where it lies on a cut, one beside it.
     pub fn leaf_at(&self, face: FaceId, point_m: DVec3) -> PatchId {
-        let at = self.frames[face].to_2d(point_m);
+        let normal = self.frames[face].plane.normal;
         let mut patch = self.root(face);
         while let Some([first, second]) = self.patches[patch].subpatches {
-            // The cut is the last side of both parts, with the part to its left.
-            let chord = self.patches[first].sides.last().and_then(|side| side.first());
-            let left = chord.is_none_or(|&chord| {
-                let [p, q] = [self.edges.start(chord), self.edges.end(chord)]
-                    .map(|vertex| self.frames[face].to_2d(self.vertices_m[vertex]));
-                (q - p).perp_dot(at - p) >= 0.0
-            });
+            let left = self.cut_m(patch).is_none_or(|[p, q]| normal.cross(q - p).dot(point_m - p) >= 0.0);
             patch = if left { first } else { second };
         }
         patch
+    }
+
+    /// The ends of the cut that split a patch, in metres: its first part lies to the left.
+    pub fn cut_m(&self, patch: PatchId) -> Option<[DVec3; 2]> {
+        // The cut is the last side of both parts, with the part to its left.
+        let [first, _] = self.patches[patch].subpatches?;
+        let chord = *self.patches[first].sides.last()?.first()?;
+        Some([self.edges.start(chord), self.edges.end(chord)].map(|vertex| self.vertices_m[vertex]))
     }
 
     /// The boundary points of a patch in order, those that neighbours made included.

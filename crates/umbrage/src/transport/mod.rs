@@ -1,12 +1,17 @@
 //! How light travels between patches: form factors, links, the oracle and `subdivide` (paper, sections 2 and 6).
 
 mod contour;
+mod direct;
+mod exchange;
+mod fit;
 pub mod form_factor;
 mod link;
 mod oracle;
 mod sample;
 mod subdivide;
 
+pub use direct::DirectLight;
+pub use fit::Linear;
 pub use link::{Link, LinkError, Links, Node, Sight};
 pub use oracle::{Decision, FormFactorOracle, Oracle};
 pub use subdivide::link_all;
