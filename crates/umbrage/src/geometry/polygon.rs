@@ -86,7 +86,12 @@ mod tests {
     fn a_rectangle_has_a_twelfth_of_its_squared_sides() {
         let corners = [(1.0, 2.0), (4.0, 2.0), (4.0, 4.0), (1.0, 4.0)].map(DVec2::from);
         let moment = second_moment_m2(&corners);
-        assert!((moment - DMat2::from_diagonal(DVec2::new(9.0 / 12.0, 4.0 / 12.0))).to_cols_array().iter().all(|x| x.abs() < 1e-14));
+        assert!(
+            (moment - DMat2::from_diagonal(DVec2::new(9.0 / 12.0, 4.0 / 12.0)))
+                .to_cols_array()
+                .iter()
+                .all(|x| x.abs() < 1e-14)
+        );
     }
 
     fn rectangle(width: f64, height: f64) -> Vec<DVec3> {

@@ -183,7 +183,9 @@ fn seen_middle_m(receiver: &ReceiverPoint, part: &Part, normal: DVec3) -> Option
     let (mut moment, mut doubled_m2) = (DVec3::ZERO, 0.0);
     let first = *part.first()?.first()?;
     let triangles = || {
-        part.iter().flat_map(|contour| contour.windows(2)).map(|pair| (pair[0] - first, pair[1] - first))
+        part.iter()
+            .flat_map(|contour| contour.windows(2))
+            .map(|pair| (pair[0] - first, pair[1] - first))
             .chain(part.iter().map(|contour| (contour[contour.len() - 1] - first, contour[0] - first)))
             .map(|(p, q)| (p, q, p.cross(q).dot(normal)))
     };
@@ -200,7 +202,8 @@ fn seen_middle_m(receiver: &ReceiverPoint, part: &Part, normal: DVec3) -> Option
         - 4.0 * from_point / from_point.length_squared();
     let along = |v: DVec3| v * v.dot(growth);
     let spread = triangles().map(|(p, q, area)| area / 12.0 * (along(p) + along(q) + along(p + q))).sum::<DVec3>()
-        / doubled_m2 - along(centroid);
+        / doubled_m2
+        - along(centroid);
     let reach_m = part.iter().flatten().map(|&p| p.distance(first + centroid)).fold(0.0, f64::max);
     Some(first + centroid + spread.clamp_length_max(MOST_SHIFT * reach_m))
 }

@@ -63,7 +63,8 @@ impl Solution {
     /// # Errors
     /// The first bad value.
     pub fn validate(&self) -> Result<(), SolutionError> {
-        for (patch, (reflected, &irradiance)) in self.reflected.keys().zip(self.reflected.iter().zip(&self.irradiance)) {
+        for (patch, (reflected, &irradiance)) in self.reflected.keys().zip(self.reflected.iter().zip(&self.irradiance))
+        {
             let good = |light: Rgb| light.is_finite() && light.min_element() >= 0.0;
             let reflected = reflected.mean;
             if !good(reflected) || !good(irradiance) {
