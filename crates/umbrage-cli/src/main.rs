@@ -16,9 +16,11 @@ mod light;
 mod memory;
 mod method;
 mod output;
+mod page;
 mod progress;
 mod render;
 mod scene_file;
+mod shown;
 mod summary;
 mod verify;
 
@@ -46,6 +48,7 @@ Examples:
   umbrage info room.glb                  what is in a scene, and what gives light in it
   umbrage bake room.glb -o baked.glb     bake a scene of your own
   umbrage render baked.glb -o baked.png  a picture of the result
+  umbrage page baked.glb -o room.html    the result as a web page in one file
 
 Exit codes: 0 done, 1 failed (the message says why), 2 wrong usage, 3 not as good as asked \
 (verify), 130 interrupted (Ctrl-C).
@@ -81,6 +84,7 @@ enum Command {
     Bake(bake::BakeArgs),
     Demo(demo::DemoArgs),
     Render(render::RenderArgs),
+    Page(page::PageArgs),
     Info(info::InfoArgs),
     FormFactor(form_factor::FormFactorArgs),
     Verify(verify::VerifyArgs),
@@ -118,6 +122,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Bake(args) => bake::run(args, output),
         Command::Demo(args) => demo::run(args, output),
         Command::Render(args) => render::run(args, output),
+        Command::Page(args) => page::run(args, output),
         Command::Info(args) => info::run(args, output),
         Command::FormFactor(args) => form_factor::run(args, output),
         Command::Verify(args) => verify::run(args, output),

@@ -24,7 +24,7 @@ mod text;
 mod warning;
 
 pub use atomic::write_atomically;
-pub use baked_file::{BakedFile, BakedFilePart};
+pub use baked_file::{BakedCamera, BakedEmission, BakedFile, BakedFilePart, BakedTexture, TextureWrap};
 pub use error::FormatError;
 pub use gltf::{BakeFacts, Written, baked_glb_bytes, write_baked_glb};
 pub use overrides::{MaterialColour, Overrides};
