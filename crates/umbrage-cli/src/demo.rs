@@ -11,8 +11,10 @@ use umbrage_formats::write_atomically;
 use umbrage_picture::{Camera, RenderSettings};
 
 use crate::bake::{bake_scene, write};
+use crate::light::Fluxes;
 use crate::output::Output;
-use crate::{interrupt, render, summary};
+use crate::shown::{Colors, Shown, default_camera};
+use crate::{interrupt, summary};
 
 /// Bake the built-in Cornell box: leaves cornell.glb and cornell.png, and needs no file
 #[derive(Debug, Args)]
@@ -33,14 +35,16 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> anyhow::Result<()> {
     let settings = BakeSettings::default();
     let bake = bake_scene(&scene, &settings, output).context("cannot bake the Cornell box")?;
     let written = write(&scene, &bake, &settings, None, &glb)?;
-    let meshes = render::read_meshes(&glb, render::Colors::Seen)?;
+    let shown = Shown::read(&glb)?;
+    let meshes = shown.meshes(Colors::Seen, shown.file.exposure_k);
     let settings = RenderSettings::default();
-    let camera = render::default_camera(&meshes, &settings, Camera::DEFAULT_FOV_DEG)?;
+    let camera = default_camera(&meshes, settings.width, settings.height, Camera::DEFAULT_FOV_DEG)?;
     let picture = umbrage_picture::render(&meshes, &[], &camera, &settings)?.png()?;
     write_atomically(&png, &picture)?;
 
     let umbrage = std::env::args().next().unwrap_or_else(|| "umbrage".into());
-    let (summary, glb_name) = (summary::summary(&bake.report, &written, begin.elapsed()), glb.display());
+    let (summary, glb_name) =
+        (summary::summary(&bake.report, &Fluxes::new(&scene), &written, begin.elapsed()), glb.display());
     output.say(&format!(
         "{summary}\
          Wrote {glb_name} ({}), for any glTF viewer\n\
@@ -48,6 +52,7 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> anyhow::Result<()> {
          \n\
          Next:\n  \
            {umbrage} render {glb_name} -o mesh.png --wireframe   see the triangles follow the shadows\n  \
+           {umbrage} page {glb_name} -o cornell.html      walk around in it, in a browser\n  \
            {umbrage} bake SCENE.glb -o baked.glb   bake a scene of your own",
         summary::bytes(written.bytes),
         png.display(),

@@ -9,16 +9,21 @@
 mod bake;
 mod demo;
 mod exit_code;
+mod form_factor;
 mod info;
 mod inspect;
 mod interrupt;
+mod light;
 mod memory;
 mod method;
 mod output;
+mod page;
 mod progress;
 mod render;
 mod scene_file;
+mod shown;
 mod summary;
+mod verify;
 
 use std::process;
 
@@ -44,10 +49,12 @@ Examples:
   umbrage info room.glb                  what is in a scene, and what gives light in it
   umbrage bake room.glb -o baked.glb     bake a scene of your own
   umbrage render baked.glb -o baked.png  a picture of the result
+  umbrage page baked.glb -o room.html    the result as a web page in one file
   umbrage inspect room.glb --stage d-segments -o shadows.svg
                                          a drawing of the edges of its shadows
 
-Exit codes: 0 done, 1 failed (the message says why), 2 wrong usage, 130 interrupted (Ctrl-C).
+Exit codes: 0 done, 1 failed (the message says why), 2 wrong usage, 3 not as good as asked \
+(verify), 130 interrupted (Ctrl-C).
 `umbrage help COMMAND` tells more about a command.";
 
 #[derive(Debug, Parser)]
@@ -80,7 +87,10 @@ enum Command {
     Bake(bake::BakeArgs),
     Demo(demo::DemoArgs),
     Render(render::RenderArgs),
+    Page(page::PageArgs),
     Info(info::InfoArgs),
+    FormFactor(form_factor::FormFactorArgs),
+    Verify(verify::VerifyArgs),
     Inspect(inspect::InspectArgs),
 }
 
@@ -97,7 +107,7 @@ fn main() {
         Err(error) if output::is_closed_pipe(&error) => ExitCode::Success,
         Err(error) => {
             output::error_chain(&error);
-            ExitCode::Failed
+            if error.is::<verify::NotGoodEnough>() { ExitCode::NotGoodEnough } else { ExitCode::Failed }
         }
     };
     process::exit(code.into());
@@ -116,7 +126,10 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Bake(args) => bake::run(args, output),
         Command::Demo(args) => demo::run(args, output),
         Command::Render(args) => render::run(args, output),
+        Command::Page(args) => page::run(args, output),
         Command::Info(args) => info::run(args, output),
+        Command::FormFactor(args) => form_factor::run(args, output),
+        Command::Verify(args) => verify::run(args, output),
         Command::Inspect(args) => inspect::run(args, output),
     }
 }

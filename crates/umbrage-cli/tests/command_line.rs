@@ -34,10 +34,12 @@ fn err(output: &Output) -> String {
 fn help_names_every_command_and_shows_how() {
     let help = umbrage(&["--help"]);
     assert_eq!(code(&help), Some(0));
-    for word in ["bake", "demo", "render", "info", "inspect", "Examples:", "Exit codes:"] {
+    for word in
+        ["bake", "demo", "render", "page", "info", "form-factor", "verify", "inspect", "Examples:", "Exit codes:"]
+    {
         assert!(out(&help).contains(word), "{word}");
     }
-    for command in ["bake", "demo", "render", "info", "inspect"] {
+    for command in ["bake", "demo", "render", "page", "info", "form-factor", "verify", "inspect"] {
         let help = umbrage(&[command, "--help"]);
         assert_eq!(code(&help), Some(0), "{command}");
         assert!(out(&help).contains("Usage: umbrage"), "{command}");
@@ -54,6 +56,10 @@ fn wrong_usage_is_told_with_code_2() {
         &["bake", "a.glb", "-o", "b.glb", "--score", "best"],
         &["render", "a.glb", "-o", "b.png", "--eye", "1,2,3"],
         &["render", "a.glb", "-o", "b.png", "--width", "0"],
+        &["render", "a.glb", "-o", "b.png", "--difference"],
+        &["render", "a.glb", "-o", "b.png", "--false-color", "--exposure", "2"],
+        &["render", "a.glb", "-o", "b.png", "--scale-end", "2"],
+        &["page", "a.glb"],
         &["demo", "--threads", "0"],
         &["info", "a.glb", "-q", "-v"],
         &["polish"],
@@ -73,6 +79,7 @@ fn a_missing_file_is_named_with_code_1() {
         &["info", "no/such.glb"][..],
         &["bake", "no/such.glb", "-o", "b.glb"],
         &["render", "no/such.glb", "-o", "b.png"],
+        &["page", "no/such.glb", "-o", "b.html"],
     ] {
         let failed = umbrage(arguments);
         assert_eq!(code(&failed), Some(1), "{arguments:?}");
@@ -140,6 +147,43 @@ fn the_demo_leaves_a_glb_and_a_picture_that_renders_again() {
     let wires = umbrage(&["render", &path("cornell.glb"), "-o", &path("wires.png"), "--wireframe", "--width", "300"]);
     assert_eq!(code(&wires), Some(0), "{}", err(&wires));
     assert_ne!(fs::read(path("wires.png")).unwrap(), picture);
+
+    let baked = path("cornell.glb");
+    let render = |name: &str, more: &[&str]| {
+        let picture = path(name);
+        let arguments = [&["render", &baked, "-o", &picture, "--width", "90", "--height", "60"][..], more].concat();
+        let done = umbrage(&arguments);
+        (code(&done), out(&done) + &err(&done))
+    };
+    assert_eq!(render("lux.png", &["--false-color", "lx"]).0, Some(0));
+    assert_eq!(render("film.png", &["--tone", "filmic", "--light-only"]).0, Some(0));
+    // Twice the same file: no difference, and three pictures with two gaps between.
+    let (done, told) = render("both.png", &[&baked, "--side-by-side", "--difference"]);
+    assert_eq!(done, Some(0), "{told}");
+    assert!(told.contains("root mean square 0.0000 W/m2, 0.00 %"), "{told}");
+    let both = fs::read(path("both.png")).unwrap();
+    let side = |at: usize| u32::from_be_bytes(both[at..at + 4].try_into().unwrap());
+    assert_eq!((side(16), side(20)), (3 * 90 + 2 * 4, 60));
+    for (name, more, word) in [
+        ("none.png", &[&*baked][..], "--side-by-side"),
+        ("none.png", &["--side-by-side"], "two baked files"),
+        ("none.png", &["--camera", "door"], "the file has none"),
+        ("none.jpg", &[], ".png or .exr"),
+        ("none.exr", &["--tone", "filmic"], if cfg!(feature = "exr") { "leave out" } else { "--features exr" }),
+    ] {
+        let (failed, told) = render(name, more);
+        assert_eq!(failed, Some(1), "{more:?}");
+        assert!(told.contains(word) && !folder.join(name).exists(), "{told}");
+    }
+    if cfg!(feature = "exr") {
+        assert_eq!(render("light.exr", &[]).0, Some(0));
+        assert_eq!(fs::read(path("light.exr")).unwrap()[..4], [0x76, 0x2f, 0x31, 0x01]);
+    }
+
+    let page = umbrage(&["page", &baked, "-o", &path("cornell.html"), "--title", "<b>&\"quoted\""]);
+    assert_eq!(code(&page), Some(0), "{}", err(&page));
+    let html = fs::read_to_string(path("cornell.html")).unwrap();
+    assert!(html.contains("<title>&lt;b&gt;&amp;&quot;quoted&quot;</title>") && !html.contains("<b>"));
 
     let unbaked = umbrage(&["render", &path("cornell.png"), "-o", &path("none.png")]);
     assert_eq!(code(&unbaked), Some(1));
@@ -223,4 +267,52 @@ fn stages_are_told_and_drawn() {
     }
     let refused = umbrage(&["inspect", scene, "--stage", "mesh", "-o", "mesh.png"]);
     assert!(code(&refused) == Some(1) && err(&refused).contains(".svg"), "{}", err(&refused));
+}
+
+fn scene(name: &str) -> String {
+    format!("{}/../../testdata/scenes/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn form_factors_are_a_table() {
+    let factor = |line: &str| line.split(',').nth(3).unwrap().parse::<f64>().unwrap();
+    for (name, truth) in [("vf_parallel", 0.1998248957), ("vf_perp", 0.2000437761)] {
+        let told = umbrage(&["form-factor", &scene(&format!("{name}.glb")), "--by", "material", "--from", "a"]);
+        assert_eq!(code(&told), Some(0), "{}", err(&told));
+        let text = out(&told);
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[0].starts_with("receiver,receiver_area_m2,source,factor,error_bound"), "{text}");
+        assert!(lines.len() == 3 && lines[1].starts_with("a,1,b,") && lines[2].starts_with("a,1,(sum),"), "{text}");
+        assert!((factor(lines[1]) - truth).abs() < 1e-9, "{text}");
+    }
+    let path = folder("factors").join("furnace.csv").display().to_string();
+    let done = umbrage(&["form-factor", &scene("furnace.glb"), "--by", "face", "-o", &path]);
+    assert!(out(&done).contains("30 form factors between 6 faces"), "{} {}", out(&done), err(&done));
+    let table = fs::read_to_string(&path).unwrap();
+    let sums: Vec<f64> = table.lines().filter(|line| line.contains(",(sum),")).map(factor).collect();
+    assert!(sums.len() == 6 && sums.iter().all(|sum| (sum - 1.0).abs() < 1e-9), "{table}");
+    let refused = umbrage(&["form-factor", &scene("furnace.glb"), "--from", "sofa"]);
+    assert_eq!(code(&refused), Some(1));
+    assert!(err(&refused).contains("\"sofa\"") && err(&refused).contains("--by"), "{}", err(&refused));
+}
+
+#[test]
+fn a_bake_is_verified_and_one_of_another_scene_is_not() {
+    let baked = folder("verified").join("baked.glb").display().to_string();
+    assert_eq!(code(&umbrage(&["bake", &scene("occluder.glb"), "-o", &baked])), Some(0));
+    let few = ["--points", "200", "--paths", "128"];
+    let verify = |more: &[&str]| umbrage(&[&["verify", &scene("occluder.glb"), &baked], &few[..], more].concat());
+    let good = verify(&["--max-error", "0.05"]);
+    assert_eq!(code(&good), Some(0), "{}{}", out(&good), err(&good));
+    for word in ["error", "bias", "noise", "estimate", "leaks         none", "worst", "W/m2 baked"] {
+        assert!(out(&good).contains(word), "{word} is not in\n{}", out(&good));
+    }
+    assert_eq!(err(&good), "");
+    let coarse = ["bake", &scene("occluder.glb"), "-o", &baked, "--tolerance", "none", "--no-discontinuities"];
+    assert_eq!(code(&umbrage(&coarse)), Some(0));
+    let bad = verify(&["--max-error", "0.05"]);
+    assert_eq!(code(&bad), Some(3), "{}{}", out(&bad), err(&bad));
+    assert!(err(&bad).contains("should be at most 5.000 %"), "{}", err(&bad));
+    let other = umbrage(&[&["verify", &scene("touching.glb"), &baked], &few[..]].concat());
+    assert!(out(&other).contains("uncovered") || code(&other) == Some(1), "{}{}", out(&other), err(&other));
 }

@@ -24,9 +24,11 @@ mod text;
 mod warning;
 
 pub use atomic::write_atomically;
-pub use baked_file::{BakedFile, BakedFilePart};
+pub use baked_file::{BakedCamera, BakedEmission, BakedFile, BakedFilePart, BakedTexture, TextureWrap};
 pub use error::FormatError;
 pub use gltf::{BakeFacts, Written, baked_glb_bytes, write_baked_glb};
 pub use overrides::{MaterialColour, Overrides};
-pub use read::{ReadOptions, UpAxis, read_baked, read_baked_bytes, read_scene, read_scene_bytes, read_scene_with};
+pub use read::{
+    LampUnits, ReadOptions, UpAxis, read_baked, read_baked_bytes, read_scene, read_scene_bytes, read_scene_with,
+};
 pub use warning::Warning;

@@ -87,6 +87,9 @@ impl Writer<'_> {
                     .with("emitter", emitter.index().to_string())
                     .with("occluder", Record::default().with("faces", ids(in_plane.map(|(id, _)| id.index()))).end())
             }
+            Event::LampEdge { lamp, occluder } => {
+                record.with("lamp", lamp.index().to_string()).with("occluder", self.edge(occluder))
+            }
             Event::EdgeEdge { emitter, source, occluder } => record
                 .with("emitter", emitter.index().to_string())
                 .with("source", self.edge(source))

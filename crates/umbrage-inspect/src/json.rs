@@ -121,7 +121,7 @@ mod tests {
     fn lengths_are_rounded_with_the_scene_and_written_short() {
         let rounding = Rounding::of_extent(6.0);
         assert_eq!(rounding.point(DVec3::new(0.1 + 0.2, -1e-12, 2.5)), "[0.3,0,2.5]");
-        assert_eq!(Rounding::of_extent(6000.0).point(DVec3::new(1234.567_891, 0.0, 100.0)), "[1234.56789,0,100]");
+        assert_eq!(Rounding::of_extent(6000.0).point(DVec3::new(1_234.567_891, 0.0, 100.0)), "[1234.56789,0,100]");
     }
 
     #[test]

@@ -5,10 +5,12 @@
 //!
 //! Holds: a band's pixels depend on nothing but the scene and the picture's size, never on the other bands.
 
-use crate::color::{LinearRgb, exposed};
+use crate::color::LinearRgb;
 use crate::fill::Fill;
 use crate::line::{LineColor, LineSample, cover, rows};
 use crate::project::{ScreenLine, ScreenTriangle};
+use crate::render::Look;
+use crate::texture::Texture;
 
 /// Samples per pixel along x and along y: 4 x 4 on a regular grid, averaged with equal weights.
 pub(crate) const SUPERSAMPLING: usize = 4;
@@ -56,23 +58,37 @@ impl Band {
         ((row - self.rows[0]) * self.width + column) as usize
     }
 
-    /// Draws the front of a triangle where it is the nearest.
-    pub(crate) fn draw_triangle(&mut self, triangle: &ScreenTriangle) {
+    /// Draws the front of a triangle where it is the nearest; its colours are multiplied with those of `texture`.
+    pub(crate) fn draw_triangle(&mut self, triangle: &ScreenTriangle, texture: Option<&Texture>) {
         let Some(fill) = Fill::new(triangle) else { return };
+        let mix = |weights: [f64; 3], of: [f64; 3]| weights[0] * of[0] + weights[1] * of[1] + weights[2] * of[2];
+        let inverse_depths = [0, 1, 2].map(|i| triangle[i].inverse_depth);
+        let colors = [0, 1, 2].map(|channel| [0, 1, 2].map(|i| triangle[i].color_over_depth[channel]));
+        let uvs = [0, 1].map(|axis| [0, 1, 2].map(|i| triangle[i].uv_over_depth[axis]));
+        let weight_steps = fill.weight_steps();
         let [first, end] = fill.rows();
         for row in first.max(self.rows[0])..end.min(self.rows[1]) {
             let Some([first, end]) = fill.span(row, self.width) else { continue };
             for column in first..end {
                 let weights = fill.weights(column, row);
-                let mix = |value: [f64; 3]| weights[0] * value[0] + weights[1] * value[1] + weights[2] * value[2];
-                let inverse_depth = mix([0, 1, 2].map(|i| triangle[i].inverse_depth));
+                let inverse_depth = mix(weights, inverse_depths);
                 let at = self.index(column, row);
-                if inverse_depth > self.inverse_depth[at] {
-                    self.inverse_depth[at] = inverse_depth;
-                    self.color[at] = [0, 1, 2].map(|channel| {
-                        (mix([0, 1, 2].map(|i| triangle[i].color_over_depth[channel])) / inverse_depth) as f32
-                    });
+                if inverse_depth <= self.inverse_depth[at] {
+                    continue;
                 }
+                self.inverse_depth[at] = inverse_depth;
+                let mut color = colors.map(|of| (mix(weights, of) / inverse_depth) as f32);
+                if let Some(texture) = texture {
+                    let uv = uvs.map(|of| mix(weights, of) / inverse_depth);
+                    // The derivative of (uv/z) / (1/z).
+                    let steps = weight_steps.map(|step| {
+                        let deeper = mix(step, inverse_depths);
+                        [0, 1].map(|axis| (mix(step, uvs[axis]) - uv[axis] * deeper) / inverse_depth)
+                    });
+                    let texel = texture.sample(uv, steps);
+                    color = [0, 1, 2].map(|channel| color[channel] * texel[channel]);
+                }
+                self.color[at] = color;
             }
         }
     }
@@ -103,12 +119,12 @@ impl Band {
             .any(|row| columns.clone().any(|column| nearer >= self.inverse_depth[self.index(column, row)]))
     }
 
-    /// A pixel as it is displayed: the mean of its samples, exposed and clipped, with lines over them.
+    /// A pixel: the mean of its samples, each as `look` shows it, with lines over them.
     pub(crate) fn pixel(
         &self,
         column: usize,
         row: usize,
-        exposure: f32,
+        look: Look,
         background: LinearRgb,
         lines: &[ScreenLines],
     ) -> LinearRgb {
@@ -117,7 +133,7 @@ impl Band {
             for x in 0..SUPERSAMPLING {
                 let at = self.index((column * SUPERSAMPLING + x) as i64, (row * SUPERSAMPLING + y) as i64);
                 let empty = self.inverse_depth[at] == 0.0;
-                let under = if empty { background } else { exposed(self.color[at], exposure) };
+                let under = if empty { background } else { look.of(self.color[at]) };
                 let over = match self.overlay[at] {
                     0 => under,
                     set => {

@@ -75,6 +75,12 @@ impl Fill {
         (first < end).then_some([first, end])
     }
 
+    /// How the barycentric weights change from a sample to the next one on the right, and to the next one below.
+    pub(crate) fn weight_steps(&self) -> [[f64; 3]; 2] {
+        let scale = 1.0 / self.doubled_area as f64;
+        [1, 2].map(|axis| self.edges.map(|edge| edge[axis] as f64 * scale))
+    }
+
     /// Barycentric weights of a sample, by corner.
     pub(crate) fn weights(&self, column: i64, row: i64) -> [f64; 3] {
         let scale = 1.0 / self.doubled_area as f64;
@@ -92,7 +98,7 @@ mod tests {
     const SIZE: i64 = 12;
 
     fn triangle(corners: [[i64; 2]; 3]) -> ScreenTriangle {
-        corners.map(|[x, y]| Corner { x, y, inverse_depth: 1.0, color_over_depth: [0.0; 3] })
+        corners.map(|[x, y]| Corner { x, y, inverse_depth: 1.0, color_over_depth: [0.0; 3], uv_over_depth: [0.0; 2] })
     }
 
     /// How often each sample of a small square picture is covered.
@@ -128,6 +134,7 @@ mod tests {
         assert_eq!(fill.weights(0, 0), [1.0, 0.0, 0.0]);
         assert_eq!(fill.weights(0, 4), [0.0, 1.0, 0.0]);
         assert_eq!(fill.weights(1, 1), [0.5, 0.25, 0.25]);
+        assert_eq!(fill.weight_steps(), [[-0.25, 0.0, 0.25], [-0.25, 0.25, 0.0]]);
     }
 
     proptest! {

@@ -9,15 +9,17 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `color` | exposure, clipping, sRGB: the only place that leaves linear light |
-//! | `mesh` | what is drawn |
+//! | `color` | exposure, tone curve, clipping, sRGB, false colours: the only place that leaves linear light |
+//! | `mesh`, `texture` | what is drawn |
 //! | `camera`, `view` | the camera, and the one where none is asked for |
 //! | `project` | clipping, projection, snapping to the grid |
 //! | `fill` | which samples a triangle covers |
 //! | `line` | wireframes and segments over the picture |
 //! | `band` | depth test and average of samples |
 //! | `render` | all of it, in parallel |
-//! | `picture` | pixels, PNG |
+//! | `picture` | pixels, PNG, EXR |
+//! | `scale`, `glyph` | the legend of a picture in false colours |
+//! | `compare` | pictures beside each other, and their difference |
 //!
 //! ```
 //! use umbrage_picture::{Camera, PictureMesh, RenderSettings, default_camera, render};
@@ -26,6 +28,7 @@
 //!     positions_m: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
 //!     colors: vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
 //!     triangles: vec![[0, 1, 2]],
+//!     ..PictureMesh::default()
 //! };
 //! let camera = default_camera(&[mesh.clone()], 64, 64, Camera::DEFAULT_FOV_DEG)?.expect("there is a triangle");
 //! let settings = RenderSettings { width: 64, height: 64, ..RenderSettings::default() };
@@ -37,18 +40,27 @@
 mod band;
 mod camera;
 pub mod color;
+mod compare;
 mod fill;
+mod glyph;
 mod line;
 mod mesh;
 mod picture;
 mod project;
 mod render;
+mod scale;
+mod texture;
 mod view;
 
 pub use camera::{Camera, CameraError};
-pub use color::LinearRgb;
+pub use color::{LinearRgb, Tone};
+pub use compare::{Difference, beside, difference};
 pub use line::{Line, LineColor, LineSet, wireframe};
 pub use mesh::{MeshError, PictureMesh, bounds_m};
+#[cfg(feature = "exr")]
+pub use picture::ExrError;
 pub use picture::{Picture, PngError};
-pub use render::{MAX_SIZE_PX, RenderError, RenderSettings, render};
+pub use render::{Look, MAX_SIZE_PX, RenderError, RenderSettings, render};
+pub use scale::{Scale, nice_ceiling};
+pub use texture::{Texture, TextureError, Wrap};
 pub use view::default_camera;

@@ -9,7 +9,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::color::{LinearRgb, luminance};
+use crate::color::{CONTRAST_LUMINANCE, LinearRgb, luminance};
 use crate::mesh::PictureMesh;
 use crate::project::ScreenLine;
 
@@ -32,14 +32,11 @@ pub enum LineColor {
 }
 
 impl LineColor {
-    /// Luminance above which a thin black line is easier to see than a thin white one.
-    const MIDDLE: f32 = 0.6;
-
     /// The colour over `under`.
     pub(crate) fn over(self, under: LinearRgb) -> LinearRgb {
         match self {
             Self::Plain(color) => color,
-            Self::Contrast if luminance(under) > Self::MIDDLE => [0.0; 3],
+            Self::Contrast if luminance(under) > CONTRAST_LUMINANCE => [0.0; 3],
             Self::Contrast => [1.0; 3],
         }
     }
@@ -137,6 +134,7 @@ mod tests {
             positions_m: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, -0.0], [0.0, 1.0, 0.0]],
             colors: vec![[1.0; 3]; 4],
             triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..PictureMesh::default()
         };
         assert_eq!(wireframe(std::slice::from_ref(&mesh), DVec3::Z).len(), 5);
         assert_eq!(wireframe(&[mesh], DVec3::NEG_Z).len(), 0);

@@ -1,19 +1,26 @@
 //! What is drawn: triangles with a colour at each vertex, in plain types.
 //!
 //! The crate knows neither scenes nor files. Whoever has a baked mesh multiplies its base colour with its light
-//! (`COLOR_0`) into [`PictureMesh::colors`].
+//! (`COLOR_0`) into [`PictureMesh::colors`]; a texture multiplies them once more, at each sample.
+
+use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::color::LinearRgb;
+use crate::texture::Texture;
 
 /// A triangle mesh with linear colours at its vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PictureMesh {
     /// Vertices in world space, in metres.
     pub positions_m: Vec<[f64; 3]>,
-    /// Colour of each vertex.
+    /// Colour of each vertex; may exceed 1.
     pub colors: Vec<LinearRgb>,
+    /// Where each vertex lies in the texture, (0, 0) being its upper left corner; empty without texture.
+    pub uvs: Vec<[f32; 2]>,
+    /// What the colours are multiplied with; several meshes may share it.
+    pub texture: Option<Arc<Texture>>,
     /// Triangles, counter-clockwise seen from the front; from behind they cannot be seen.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -28,6 +35,14 @@ pub enum MeshError {
         positions: usize,
         /// Number of colours.
         colors: usize,
+    },
+    /// There is a texture, but not one place in it per vertex.
+    #[error("{positions} vertices, but {uvs} places in the texture")]
+    UvCount {
+        /// Number of vertices.
+        positions: usize,
+        /// Number of places.
+        uvs: usize,
     },
     /// A triangle refers to a vertex that does not exist.
     #[error("triangle {triangle} refers to vertex {vertex}, but there are only {positions}")]
@@ -53,6 +68,9 @@ impl PictureMesh {
         let positions = self.positions_m.len();
         if self.colors.len() != positions {
             return Err(MeshError::ColorCount { positions, colors: self.colors.len() });
+        }
+        if self.texture.is_some() && self.uvs.len() != positions {
+            return Err(MeshError::UvCount { positions, uvs: self.uvs.len() });
         }
         if let Some(vertex) = self.positions_m.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
             return Err(MeshError::NotFinite(vertex));
@@ -87,6 +105,7 @@ mod tests {
             positions_m: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [9.0, 9.0, 9.0]],
             colors: vec![[1.0; 3]; 4],
             triangles: vec![[0, 1, 2]],
+            ..PictureMesh::default()
         }
     }
 

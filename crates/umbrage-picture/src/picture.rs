@@ -1,10 +1,11 @@
-//! A finished picture, and the PNG file that it becomes.
+//! A finished picture, and the PNG or EXR file that it becomes.
 //!
-//! Holds: pixels are linear and within 0..1; the same picture gives the same bytes: a PNG carries no time and no tool.
+//! Holds: pixels are linear, and within 0..1 unless they are [`crate::Look::Raw`]; the same picture gives the same bytes:
+//! neither file carries time or tool.
 
 use crate::color::{LinearRgb, srgb8_from_linear};
 
-/// A picture as it is displayed, in linear colours.
+/// A picture in linear colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     pub(crate) width: usize,
@@ -17,6 +18,12 @@ pub struct Picture {
 #[error("cannot encode the picture as PNG")]
 pub struct PngError(#[from] png::EncodingError);
 
+/// A picture that could not be encoded as OpenEXR.
+#[cfg(feature = "exr")]
+#[derive(Debug, thiserror::Error)]
+#[error("cannot encode the picture as EXR")]
+pub struct ExrError(#[from] exr::error::Error);
+
 impl Picture {
     /// Width in pixels.
     pub fn width(&self) -> usize {
@@ -28,7 +35,7 @@ impl Picture {
         self.height
     }
 
-    /// Pixels, row by row from the top, in linear colours within 0..1.
+    /// Pixels, row by row from the top, in linear colours.
     pub fn pixels(&self) -> &[LinearRgb] {
         &self.pixels
     }
@@ -59,6 +66,24 @@ impl Picture {
         writer.finish()?;
         Ok(bytes)
     }
+
+    /// The picture as an OpenEXR file: linear Rec. 709 colours as 32-bit floats, nothing cut off.
+    ///
+    /// # Errors
+    /// [`ExrError`] where the encoder refuses.
+    #[cfg(feature = "exr")]
+    pub fn exr(&self) -> Result<Vec<u8>, ExrError> {
+        use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, WritableImage};
+        let channels = SpecificChannels::rgb(|at: exr::math::Vec2<usize>| {
+            let [red, green, blue] = self.pixel(at.x(), at.y());
+            (red, green, blue)
+        });
+        let size = (self.width, self.height);
+        let layer = Layer::new(size, LayerAttributes::default(), Encoding::SMALL_LOSSLESS, channels);
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes)?;
+        Ok(bytes.into_inner())
+    }
 }
 
 #[cfg(test)]
@@ -82,5 +107,27 @@ mod tests {
         assert_eq!(reader.info().srgb, Some(png::SrgbRenderingIntent::Perceptual));
         assert_eq!(codes, picture().srgb8());
         assert_eq!(codes[..6], [0, 128, 255, 255, 0, 0]);
+    }
+
+    #[cfg(feature = "exr")]
+    #[test]
+    fn an_exr_reads_back_with_the_bits_that_were_written() {
+        use exr::prelude::{ReadChannels, ReadLayers};
+        let mut written = picture();
+        written.pixels[4] = [65.5, 1e-9, 1e9];
+        let bytes = written.exr().unwrap();
+        assert_eq!(bytes, written.exr().unwrap());
+        let read = exr::prelude::read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .rgb_channels(
+                |size, _| vec![vec![[0.0f32; 3]; size.width()]; size.height()],
+                |rows, at, (r, g, b): (f32, f32, f32)| rows[at.y()][at.x()] = [r, g, b],
+            )
+            .first_valid_layer()
+            .all_attributes()
+            .from_buffered(Cursor::new(bytes))
+            .unwrap();
+        assert_eq!(read.layer_data.channel_data.pixels.concat(), written.pixels);
     }
 }

@@ -5,7 +5,7 @@
 //!
 //! - Clipping is against the near plane and a guard band of [`GUARD`] frames: what only leaves the frame is not cut.
 //!   A cut of an edge is computed from the edge's ends in one fixed order, so both its triangles get the same point.
-//! - What is linear on the screen is interpolated: 1/z and colour/z.
+//! - What is linear on the screen is interpolated: 1/z, colour/z and uv/z.
 //!
 //! Holds: snapped coordinates lie within `GUARD` frames, so products of two differences fit an `i64` easily.
 
@@ -24,6 +24,7 @@ const GUARD: f64 = 2.0;
 struct ViewVertex {
     view_m: DVec3,
     color: LinearRgb,
+    uv: [f32; 2],
 }
 
 /// A corner on the grid.
@@ -37,6 +38,8 @@ pub(crate) struct Corner {
     pub(crate) inverse_depth: f64,
     /// Colour times 1/z.
     pub(crate) color_over_depth: [f64; 3],
+    /// Place in the texture times 1/z.
+    pub(crate) uv_over_depth: [f64; 2],
 }
 
 /// A triangle on the grid: it runs counter-clockwise, as one sees the screen, where it shows its front.
@@ -73,8 +76,13 @@ impl Frustum {
     }
 
     /// The parts of a triangle that can be seen, on the grid.
-    pub(crate) fn triangle(&self, corners_m: [DVec3; 3], colors: [LinearRgb; 3]) -> Vec<ScreenTriangle> {
-        let vertex = |i: usize| ViewVertex { view_m: self.lens.view_m(corners_m[i]), color: colors[i] };
+    pub(crate) fn triangle(
+        &self,
+        corners_m: [DVec3; 3],
+        colors: [LinearRgb; 3],
+        uvs: [[f32; 2]; 3],
+    ) -> Vec<ScreenTriangle> {
+        let vertex = |i: usize| ViewVertex { view_m: self.lens.view_m(corners_m[i]), color: colors[i], uv: uvs[i] };
         let mut polygon = vec![vertex(0), vertex(1), vertex(2)];
         let depths = [0, 1, 2].map(|i| self.depths(polygon[i].view_m));
         for plane in 0..5 {
@@ -109,7 +117,8 @@ impl Frustum {
         let p = (self.lens.project(vertex.view_m) * SNAP as f64).round();
         let inverse_depth = 1.0 / vertex.view_m.z;
         let color_over_depth = vertex.color.map(|c| f64::from(c) * inverse_depth);
-        Corner { x: p.x as i64, y: p.y as i64, inverse_depth, color_over_depth }
+        let uv_over_depth = vertex.uv.map(|x| f64::from(x) * inverse_depth);
+        Corner { x: p.x as i64, y: p.y as i64, inverse_depth, color_over_depth, uv_over_depth }
     }
 
     /// The part of a line that can be seen.
@@ -137,13 +146,16 @@ fn ordered(a: DVec3, b: DVec3) -> bool {
 fn cut(a: ViewVertex, b: ViewVertex, da: f64, db: f64) -> ViewVertex {
     let t = da / (da - db);
     let color = std::array::from_fn(|i| a.color[i] + t as f32 * (b.color[i] - a.color[i]));
-    ViewVertex { view_m: a.view_m.lerp(b.view_m, t), color }
+    let uv = std::array::from_fn(|i| a.uv[i] + t as f32 * (b.uv[i] - a.uv[i]));
+    ViewVertex { view_m: a.view_m.lerp(b.view_m, t), color, uv }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::camera::Camera;
+
+    const NO_UVS: [[f32; 2]; 3] = [[0.0; 2]; 3];
 
     fn frustum() -> Frustum {
         let camera = Camera::looking(DVec3::ZERO, DVec3::NEG_Z, 90.0);
@@ -153,15 +165,15 @@ mod tests {
     #[test]
     fn a_triangle_that_leaves_the_frame_a_little_is_not_cut() {
         let corners = [DVec3::new(-1.5, 0.0, -1.0), DVec3::new(1.5, 0.0, -1.0), DVec3::new(0.0, 1.0, -1.0)];
-        assert_eq!(frustum().triangle(corners, [[1.0; 3]; 3]).len(), 1);
+        assert_eq!(frustum().triangle(corners, [[1.0; 3]; 3], NO_UVS).len(), 1);
     }
 
     #[test]
     fn a_floor_under_the_eye_is_cut_at_the_near_plane_on_both_sides_of_an_edge_alike() {
         let (a, b) = (DVec3::new(0.3, -1.0, 5.0), DVec3::new(-0.1, -1.0, -9.0));
         let colors = [[0.0; 3], [0.5; 3], [1.0; 3]];
-        let left = frustum().triangle([a, b, DVec3::new(-7.0, -1.0, -4.0)], colors);
-        let right = frustum().triangle([b, a, DVec3::new(7.0, -1.0, -4.0)], colors);
+        let left = frustum().triangle([a, b, DVec3::new(-7.0, -1.0, -4.0)], colors, NO_UVS);
+        let right = frustum().triangle([b, a, DVec3::new(7.0, -1.0, -4.0)], colors, NO_UVS);
         let points = |parts: &[ScreenTriangle]| {
             let mut all: Vec<(i64, i64)> = parts.iter().flatten().map(|c| (c.x, c.y)).collect();
             all.sort_unstable();
@@ -176,7 +188,7 @@ mod tests {
     #[test]
     fn what_lies_behind_is_dropped() {
         let corners = [DVec3::new(-1.0, 0.0, 1.0), DVec3::new(1.0, 0.0, 1.0), DVec3::new(0.0, 1.0, 2.0)];
-        assert!(frustum().triangle(corners, [[1.0; 3]; 3]).is_empty());
+        assert!(frustum().triangle(corners, [[1.0; 3]; 3], NO_UVS).is_empty());
         assert!(frustum().line([corners[0], corners[1]]).is_none());
         let line = frustum().line([DVec3::new(0.0, 0.0, 3.0), DVec3::new(0.0, 0.0, -4.0)]).unwrap();
         assert_eq!(line.inverse_depth, [2.0, 0.25]);

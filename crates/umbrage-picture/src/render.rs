@@ -11,11 +11,12 @@ use rayon::prelude::*;
 
 use crate::band::{Band, SUPERSAMPLING, ScreenLines};
 use crate::camera::{Camera, CameraError};
-use crate::color::LinearRgb;
+use crate::color::{BACKGROUND, LinearRgb, SEQUENTIAL, Tone, displayed, luminance, on_scale};
 use crate::line::LineSet;
 use crate::mesh::{MeshError, PictureMesh, bounds_m};
 use crate::picture::Picture;
 use crate::project::{Frustum, SNAP, ScreenTriangle};
+use crate::texture::Texture;
 
 /// Largest width and height of a picture, in pixels.
 pub const MAX_SIZE_PX: usize = 16384;
@@ -24,6 +25,39 @@ const BAND_ROWS: usize = 32;
 /// Distance of the near plane, as a share of the distance of the farthest point.
 const NEAR: f64 = 1e-5;
 
+/// What becomes of the colour of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Look {
+    /// It is displayed.
+    Display {
+        /// What it is multiplied with first.
+        exposure: f32,
+        /// The curve that it then goes through.
+        tone: Tone,
+    },
+    /// It is a quantity, whose luminance is shown on a scale of false colours.
+    FalseColor {
+        /// The quantity at the end of the scale; it begins at 0.
+        end: f32,
+    },
+    /// It stays what it is, also above 1: for files of light, and for pictures to compute with.
+    Raw {
+        /// What it is multiplied with.
+        exposure: f32,
+    },
+}
+
+impl Look {
+    /// A colour as it looks.
+    pub(crate) fn of(self, color: LinearRgb) -> LinearRgb {
+        match self {
+            Self::Display { exposure, tone } => displayed(color, exposure, tone),
+            Self::FalseColor { end } => on_scale(&SEQUENTIAL, luminance(color) / end),
+            Self::Raw { exposure } => color.map(|c| c * exposure),
+        }
+    }
+}
+
 /// What a picture is made like.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
@@ -31,16 +65,16 @@ pub struct RenderSettings {
     pub width: usize,
     /// Height in pixels.
     pub height: usize,
-    /// What the meshes' colours are multiplied with before they are clipped.
-    pub exposure: f32,
-    /// Colour where nothing is seen, linear; exposure leaves it alone.
+    /// What becomes of the meshes' colours.
+    pub look: Look,
+    /// Colour where nothing is seen, linear; the look leaves it alone.
     pub background: LinearRgb,
 }
 
 impl Default for RenderSettings {
     fn default() -> Self {
-        // A dark grey: unlike black it shows where a dark scene ends, unlike white it does not blind.
-        Self { width: 1024, height: 1024, exposure: 1.0, background: [0.03; 3] }
+        let look = Look::Display { exposure: 1.0, tone: Tone::Off };
+        Self { width: 1024, height: 1024, look, background: BACKGROUND }
     }
 }
 
@@ -58,6 +92,9 @@ pub enum RenderError {
     /// The exposure is negative or not a number.
     #[error("an exposure of {0}: it must be a finite number that is not negative")]
     BadExposure(f32),
+    /// The scale of false colours has no end.
+    #[error("a scale of false colours that ends at {0}: it must end at a finite number above 0")]
+    BadScale(f32),
     /// The camera sees nothing.
     #[error(transparent)]
     Camera(#[from] CameraError),
@@ -103,12 +140,13 @@ pub(crate) fn render_with_backs(
     settings: &RenderSettings,
     backs: Backs,
 ) -> Result<Picture, RenderError> {
-    let &RenderSettings { width, height, exposure, background } = settings;
+    let &RenderSettings { width, height, look, background } = settings;
     check(meshes, line_sets, settings)?;
     let samples = SUPERSAMPLING as f64;
     let lens = camera.lens(width as f64 * samples, height as f64 * samples)?;
     let frustum = Frustum::new(lens, near_m(meshes, camera.eye_m));
     let triangles = screen_triangles(meshes, &frustum, backs);
+    let texture = |mesh: u32| -> Option<&Texture> { meshes[mesh as usize].texture.as_deref() };
     let lines = screen_lines(line_sets, &frustum, camera.eye_m);
 
     // A line looks at depths up to its radius and one sample beside its samples.
@@ -130,13 +168,16 @@ pub(crate) fn render_with_backs(
         .zip(&triangles_of_band)
         .flat_map_iter(|(&(top, rows), own)| {
             let mut band = Band::new(width * SUPERSAMPLING, rows);
-            own.iter().for_each(|&i| band.draw_triangle(&triangles[i as usize]));
+            for &number in own {
+                let (mesh, triangle) = &triangles[number as usize];
+                band.draw_triangle(triangle, texture(*mesh));
+            }
             // `check` lets at most 255 sets pass.
             lines.iter().enumerate().for_each(|(set, lines)| band.draw_lines(set as u8, lines));
             let end = (top + BAND_ROWS).min(height);
             let mut pixels = Vec::with_capacity((end - top) * width);
             for row in top..end {
-                pixels.extend((0..width).map(|column| band.pixel(column, row, exposure, background, &lines)));
+                pixels.extend((0..width).map(|column| band.pixel(column, row, look, background, &lines)));
             }
             pixels
         })
@@ -145,13 +186,17 @@ pub(crate) fn render_with_backs(
 }
 
 fn check(meshes: &[PictureMesh], line_sets: &[LineSet], settings: &RenderSettings) -> Result<(), RenderError> {
-    let &RenderSettings { width, height, exposure, .. } = settings;
+    let &RenderSettings { width, height, look, .. } = settings;
     let fits = |side: usize| (1..=MAX_SIZE_PX).contains(&side);
     if !(fits(width) && fits(height)) {
         return Err(RenderError::BadSize { width, height });
     }
-    if !(exposure.is_finite() && exposure >= 0.0) {
-        return Err(RenderError::BadExposure(exposure));
+    match look {
+        Look::Display { exposure, .. } | Look::Raw { exposure } if !(exposure.is_finite() && exposure >= 0.0) => {
+            return Err(RenderError::BadExposure(exposure));
+        }
+        Look::FalseColor { end } if !(end.is_finite() && end > 0.0) => return Err(RenderError::BadScale(end)),
+        _ => {}
     }
     if line_sets.len() > usize::from(u8::MAX) {
         return Err(RenderError::TooManyLineSets(line_sets.len()));
@@ -168,18 +213,21 @@ fn near_m(meshes: &[PictureMesh], eye_m: DVec3) -> f64 {
     if farthest_m > 0.0 { NEAR * farthest_m } else { 1.0 }
 }
 
-fn screen_triangles(meshes: &[PictureMesh], frustum: &Frustum, backs: Backs) -> Vec<ScreenTriangle> {
+/// The triangles on the grid, each with the number of its mesh.
+fn screen_triangles(meshes: &[PictureMesh], frustum: &Frustum, backs: Backs) -> Vec<(u32, ScreenTriangle)> {
     meshes
         .par_iter()
-        .flat_map(|mesh| {
-            mesh.triangles.par_iter().flat_map_iter(|&[a, b, c]| {
+        .enumerate()
+        .flat_map(|(number, mesh)| {
+            mesh.triangles.par_iter().flat_map_iter(move |&[a, b, c]| {
                 let corners = |t: [u32; 3]| t.map(|i| DVec3::from(mesh.positions_m[i as usize]));
                 let colors = [a, b, c].map(|i| mesh.colors[i as usize]);
-                let mut parts = frustum.triangle(corners([a, b, c]), colors);
+                let uvs = [a, b, c].map(|i| if mesh.texture.is_some() { mesh.uvs[i as usize] } else { [0.0; 2] });
+                let mut parts = frustum.triangle(corners([a, b, c]), colors, uvs);
                 if backs == Backs::Black {
-                    parts.extend(frustum.triangle(corners([a, c, b]), [[0.0; 3]; 3]));
+                    parts.extend(frustum.triangle(corners([a, c, b]), [[0.0; 3]; 3], uvs));
                 }
-                parts
+                parts.into_iter().map(move |part| (number as u32, part))
             })
         })
         .collect()
@@ -201,9 +249,9 @@ fn screen_lines(line_sets: &[LineSet], frustum: &Frustum, eye_m: DVec3) -> Vec<S
 }
 
 /// The numbers of the triangles that can touch each band, in their order.
-fn sort_into_bands(triangles: &[ScreenTriangle], bands: &[(usize, [i64; 2])]) -> Vec<Vec<u32>> {
+fn sort_into_bands(triangles: &[(u32, ScreenTriangle)], bands: &[(usize, [i64; 2])]) -> Vec<Vec<u32>> {
     let mut of_band = vec![Vec::new(); bands.len()];
-    for (number, triangle) in triangles.iter().enumerate() {
+    for (number, (_, triangle)) in triangles.iter().enumerate() {
         let ys = triangle.map(|corner| corner.y.div_euclid(SNAP));
         let (low, high) = (ys[0].min(ys[1]).min(ys[2]), ys[0].max(ys[1]).max(ys[2]));
         let first = bands.partition_point(|(_, rows)| rows[1] <= low);
@@ -219,11 +267,19 @@ fn sort_into_bands(triangles: &[ScreenTriangle], bands: &[(usize, [i64; 2])]) ->
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::color::linear_from_srgb;
     use crate::line::{Line, LineColor, wireframe};
+    use crate::texture::Wrap;
 
     fn plain(width: usize, height: usize) -> RenderSettings {
         RenderSettings { width, height, background: [0.0; 3], ..RenderSettings::default() }
+    }
+
+    fn display(exposure: f32) -> Look {
+        Look::Display { exposure, tone: Tone::Off }
     }
 
     fn square(z: f64, half: f64, color: LinearRgb) -> PictureMesh {
@@ -231,6 +287,7 @@ mod tests {
             positions_m: vec![[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]],
             colors: vec![color; 4],
             triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..PictureMesh::default()
         }
     }
 
@@ -244,6 +301,7 @@ mod tests {
             positions_m: vec![[-1.0, -1.0, -1.0], [2.0, -1.0, -1.0], [-1.0, 2.0, -1.0]],
             colors: vec![[0.9, 0.0, 0.0], [0.0, 0.6, 0.0], [0.0, 0.0, 0.3]],
             triangles: vec![[0, 1, 2]],
+            ..PictureMesh::default()
         };
         // An odd size: the middle pixel is centred on the view's axis, where the centroid is.
         let picture = render(&[mesh], &[], &camera(), &plain(101, 101)).unwrap();
@@ -259,6 +317,7 @@ mod tests {
             positions_m: vec![[-1.0, -9.0, -2.0], [3.0, -9.0, -6.0], [3.0, 9.0, -6.0], [-1.0, 9.0, -2.0]],
             colors: vec![[0.0; 3], [1.0; 3], [1.0; 3], [0.0; 3]],
             triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..PictureMesh::default()
         };
         let size = 201;
         let picture = render(&[mesh], &[], &camera(), &plain(size, size)).unwrap();
@@ -269,6 +328,51 @@ mod tests {
             let seen = f64::from(picture.pixel(column, 100)[0]);
             assert!((seen - t).abs() < 2e-4, "column {column}: {seen}, expected {t}");
         }
+    }
+
+    #[test]
+    fn a_texture_is_right_in_perspective_and_upright() {
+        // The wall of the test above, with a texture that grows brighter from left to right and is black in its lower half.
+        let mut codes: Vec<u8> = (0..=255).collect::<Vec<u8>>().repeat(32);
+        codes.resize(256 * 64, 0);
+        let mut file = Vec::new();
+        let mut writer = png::Encoder::new(&mut file, 256, 64).write_header().unwrap();
+        writer.write_image_data(&codes).unwrap();
+        writer.finish().unwrap();
+        let mesh = PictureMesh {
+            positions_m: vec![[-1.0, -9.0, -2.0], [3.0, -9.0, -6.0], [3.0, 9.0, -6.0], [-1.0, 9.0, -2.0]],
+            colors: vec![[0.5; 3]; 4],
+            uvs: vec![[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]],
+            texture: Some(Arc::new(Texture::decode(&file, [Wrap::Clamp; 2]).unwrap())),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+        };
+        let size = 201;
+        let picture = render(&[mesh.clone()], &[], &camera(), &plain(size, size)).unwrap();
+        for column in [60, 80, 100, 120, 140] {
+            let s = (column as f64 + 0.5) / (size as f64 / 2.0) - 1.0;
+            let t = (2.0 * s + 1.0) / (4.0 * (1.0 - s));
+            let expected = 0.5 * linear_from_srgb(t * 256.0 / 255.0 - 0.5 / 255.0);
+            let seen = f64::from(picture.pixel(column, 40)[0]);
+            assert!((seen - expected).abs() < 2e-3, "column {column}: {seen}, expected {expected}");
+            assert_eq!(picture.pixel(column, 160), [0.0; 3]);
+        }
+        let unplaced = PictureMesh { uvs: Vec::new(), ..mesh };
+        assert!(matches!(
+            render(&[unplaced], &[], &camera(), &plain(9, 9)),
+            Err(RenderError::Mesh { index: 0, source: MeshError::UvCount { positions: 4, uvs: 0 } })
+        ));
+    }
+
+    #[test]
+    fn false_colours_show_the_luminance_and_raw_pictures_keep_it() {
+        let meshes = [square(-2.0, 9.0, [6.0, 2.0, 4.0])];
+        let seen = |look| render(&meshes, &[], &camera(), &RenderSettings { look, ..plain(9, 9) }).unwrap().pixel(4, 4);
+        let expected = on_scale(&SEQUENTIAL, (0.2126 * 6.0 + 0.7152 * 2.0 + 0.0722 * 4.0) / 8.0);
+        for (seen, expected) in seen(Look::FalseColor { end: 8.0 }).iter().zip(expected) {
+            assert!((seen - expected).abs() < 1e-5, "{seen} {expected}");
+        }
+        assert_eq!(seen(Look::Raw { exposure: 2.0 }), [12.0, 4.0, 8.0]);
+        assert_eq!(seen(display(0.125)), [0.75, 0.25, 0.5]);
     }
 
     #[test]
@@ -308,6 +412,7 @@ mod tests {
             positions_m: vec![[-50.0, -1.0, 50.0], [50.0, -1.0, 50.0], [50.0, -1.0, -5e4], [-50.0, -1.0, -5e4]],
             colors: vec![[1.0; 3]; 4],
             triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..PictureMesh::default()
         };
         let picture = render(&[floor], &[], &camera(), &plain(64, 64)).unwrap();
         for row in 0..64 {
@@ -333,6 +438,7 @@ mod tests {
             positions_m: vec![[-9.0, -0.1, -1.0], [9.0, -0.1, -1.0], [9.0, -0.1, -9.0], [-9.0, -0.1, -9.0]],
             colors: vec![[0.0, 0.0, 1.0]; 4],
             triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..PictureMesh::default()
         };
         let line = Line { ends_m: [[-9.0, -0.1, -4.0], [9.0, -0.1, -4.0]], normal: Some([0.0, 1.0, 0.0]) };
         let set = LineSet { color: LineColor::Plain([1.0, 0.0, 0.0]), opacity: 1.0, width_px: 1.0, lines: vec![line] };
@@ -364,7 +470,12 @@ mod tests {
     fn impossible_pictures_are_refused() {
         let refused = |settings: &RenderSettings| render(&[], &[], &camera(), settings).unwrap_err();
         assert_eq!(refused(&plain(0, 9)), RenderError::BadSize { width: 0, height: 9 });
-        assert!(matches!(refused(&RenderSettings { exposure: f32::NAN, ..plain(9, 9) }), RenderError::BadExposure(_)));
+        assert!(matches!(
+            refused(&RenderSettings { look: display(f32::NAN), ..plain(9, 9) }),
+            RenderError::BadExposure(_)
+        ));
+        let scale = RenderSettings { look: Look::FalseColor { end: 0.0 }, ..plain(9, 9) };
+        assert_eq!(refused(&scale), RenderError::BadScale(0.0));
         let mut mesh = square(-1.0, 1.0, [0.0; 3]);
         mesh.colors.pop();
         assert!(matches!(render(&[mesh], &[], &camera(), &plain(9, 9)), Err(RenderError::Mesh { index: 0, .. })));

@@ -26,11 +26,11 @@ use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Scene, SceneError};
 use crate::shade::{self, BakedMesh, Irradiance, ShadeSettings};
 use crate::solve::{self, SolveSettings, Surfaces};
-use crate::transport::{self, FormFactorOracle};
+use crate::transport::{self, DirectLight, FormFactorOracle};
 use crate::visibility::Visibility;
 
-/// Where no smallest area is given, this share of the area of all faces: 4,000 patches if all were as small.
-const MIN_AREA_OF_TOTAL: f64 = 2.5e-4;
+/// Where no smallest area is given, this share of the area of all faces: 1,500 patches if all were as small.
+const MIN_AREA_OF_TOTAL: f64 = 7e-4;
 
 /// d-segments that change irradiance by less than this share of the tolerance are left out.
 const WEAK_OF_TOLERANCE: f64 = 1.0;
@@ -57,7 +57,7 @@ pub struct BakeSettings {
 impl Default for BakeSettings {
     fn default() -> Self {
         Self {
-            max_form_factor: 0.02,
+            max_form_factor: 0.04,
             min_area_m2: None,
             score: SplitScore::default(),
             mend_bad_shapes: true,
@@ -186,11 +186,15 @@ pub fn bake(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> R
     let (patches, compactness) = (mesh.patch_count(), compactness_of(&mesh));
     clock.end_of(Stage::Transport);
 
-    let surfaces = Surfaces::new(scene, &prepared, &mesh);
+    let direct = DirectLight::new(scene, &prepared, &visibility);
+    let surfaces = Surfaces::new(scene, &prepared, &mesh, &direct);
     let solution = solve::solve(&mesh, &surfaces, &links, settings.solve, progress)?;
+    let light = |solution| Irradiance::new(&prepared, &visibility, &mesh, &links, &direct, solution);
+    let solution = shade::bounce(&prepared, &mesh, &surfaces, &light(&solution), solution.clone(), progress)?;
+    check(|| solution.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Solve);
 
-    let light = Irradiance::new(scene, &prepared, &visibility, &mesh, &links, &solution);
+    let light = light(&solution);
     let mut shown = if settings.shade.tolerance.is_finite() {
         Mesh::new(&prepared, &discontinuities.segments, mesh_settings)
     } else {

@@ -112,18 +112,22 @@ impl Buffers {
         if let Some(bytes) = cell.get() {
             return Ok(bytes);
         }
-        let uri = buffer.text("uri")?.unwrap_or_default();
-        let bytes = match strip_scheme(uri, "data:") {
-            Some(data) => data_uri(data).map_err(|what| bad(buffer, what, "export as .glb"))?,
-            None => self.read_file(uri, buffer)?,
-        };
+        let bytes = self.load(buffer.text("uri")?.unwrap_or_default(), buffer)?;
         self.loaded_bytes.set(self.loaded_bytes.get() + bytes.len() as u64);
         Ok(cell.get_or_init(|| bytes))
     }
 
+    /// The bytes that a URI names, for `holder`: a buffer, or an image.
+    pub(super) fn load(&self, uri: &str, holder: &Item<'_>) -> Result<Vec<u8>, FormatError> {
+        match strip_scheme(uri, "data:") {
+            Some(data) => data_uri(data).map_err(|what| bad(holder, what, "export as .glb")),
+            None => self.read_file(uri, holder),
+        }
+    }
+
     fn read_file(&self, uri: &str, buffer: &Item<'_>) -> Result<Vec<u8>, FormatError> {
         let relative = relative_path(uri).map_err(|what| {
-            bad(buffer, format!("{what}: {}", shortened(uri)), "put the buffer beside the glTF, or export as .glb")
+            bad(buffer, format!("{what}: {}", shortened(uri)), "put the file beside the glTF, or export as .glb")
         })?;
         let path = self.folder.join(relative);
         let cure = "put the file beside the glTF, or export as .glb";

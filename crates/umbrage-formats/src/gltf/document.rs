@@ -25,10 +25,14 @@ pub(super) enum List {
     Accessors,
     BufferViews,
     Buffers,
+    Cameras,
+    Images,
     Materials,
     Meshes,
     Nodes,
+    Samplers,
     Scenes,
+    Textures,
 }
 
 impl List {
@@ -37,10 +41,14 @@ impl List {
             Self::Accessors => ("accessors", "accessor"),
             Self::BufferViews => ("bufferViews", "bufferView"),
             Self::Buffers => ("buffers", "buffer"),
+            Self::Cameras => ("cameras", "camera"),
+            Self::Images => ("images", "image"),
             Self::Materials => ("materials", "material"),
             Self::Meshes => ("meshes", "mesh"),
             Self::Nodes => ("nodes", "node"),
+            Self::Samplers => ("samplers", "sampler"),
             Self::Scenes => ("scenes", "scene"),
+            Self::Textures => ("textures", "texture"),
         }
     }
 }
@@ -117,6 +125,16 @@ impl Document {
             length: all.len() as u64,
         })?;
         Ok((bytes, view.whole("byteStride")?))
+    }
+
+    /// The bytes of an image's file: embedded, or beside the glTF.
+    pub(super) fn image(&self, index: usize, user: &str) -> Result<Vec<u8>, FormatError> {
+        let image = self.item(List::Images, index, user)?;
+        match (image.whole("bufferView")?, image.text("uri")?) {
+            (Some(view), _) => Ok(self.view(view, &image.place)?.0.to_vec()),
+            (None, Some(uri)) => self.buffers.load(uri, &image),
+            (None, None) => Err(image.bad("uri", "is missing, and so is bufferView")),
+        }
     }
 }
 

@@ -1,16 +1,20 @@
 //! glTF 2.0: scenes in, baked GLB out and in again.
 //!
 //! ```text
-//! container, item -> buffer -> document -> accessor, tally -> material, node, primitive -> read, read_baked
+//! container, item -> buffer -> document -> accessor, tally -> material, node, primitive -> read
+//!                                                          base_texture, camera, node, primitive -> read_baked
 //! container, write_buffer, exposure -> write
 //! ```
 
 mod accessor;
+mod base_texture;
 mod buffer;
+mod camera;
 mod container;
 mod document;
 mod exposure;
 mod item;
+mod lamp;
 mod material;
 mod node;
 mod primitive;

@@ -9,12 +9,14 @@ use std::path::Path;
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::accessor::{Accessor, Component};
+use super::base_texture::BaseTexture;
+use super::camera;
 use super::document::{Document, List};
 use super::item::Item;
 use super::node::{self, Placed};
 use super::primitive;
 use super::tally::{PRIMITIVE_COST, Tally};
-use crate::{BakedFile, BakedFilePart, FormatError};
+use crate::{BakedEmission, BakedFile, BakedFilePart, FormatError};
 
 /// Types of colours and normals.
 const ANY: [Component; 5] = [Component::F32, Component::I8, Component::U8, Component::I16, Component::U16];
@@ -48,7 +50,14 @@ pub(crate) fn read_baked(path: &Path, bytes: Vec<u8>) -> Result<BakedFile, Forma
     }
     let name = document.root()?.whole("scene")?.map(|scene| document.item(List::Scenes, scene, "the document"));
     let name = name.transpose()?.and_then(|scene| scene.name().map(str::to_owned)).unwrap_or_default();
-    Ok(BakedFile { name, origin_m, parts, exposure_k, extras: facts.object().clone() })
+    let mut images = vec![Vec::new(); document.count(List::Images)?];
+    for texture in parts.iter().filter_map(|part: &BakedFilePart| part.texture) {
+        if images[texture.image].is_empty() {
+            images[texture.image] = document.image(texture.image, "a base colour texture")?;
+        }
+    }
+    let cameras = camera::cameras(&document, &placed)?;
+    Ok(BakedFile { name, origin_m, parts, cameras, images, exposure_k, extras: facts.object().clone() })
 }
 
 /// A primitive, and where it stands.
@@ -68,7 +77,12 @@ impl PartReader<'_> {
         let color = self.attribute("COLOR_0", &[3, 4], &ANY)?;
         let irradiance = self.attribute("_IRRADIANCE", &[3], &ANY)?;
         let count = positions.count;
-        for accessor in [&normals, &color, &irradiance] {
+        let material = self.material()?;
+        let uvs = match &material.texture {
+            Some(texture) => Some(self.coordinates(texture.set)?),
+            None => None,
+        };
+        for accessor in [&normals, &color, &irradiance].into_iter().chain(&uvs) {
             if accessor.count != count {
                 let what = format!("has {} elements, and POSITION has {count}", accessor.count);
                 let (file, place) = (self.document.file.clone(), accessor.place.clone());
@@ -80,11 +94,14 @@ impl PartReader<'_> {
         let plain = world == DAffine3::IDENTITY;
         let turn = normal_matrix(&world);
         let mirrored = world.matrix3.determinant() < 0.0;
-        let (material_name, base_color) = self.material()?;
+        let uvs = match (&uvs, &material.texture) {
+            (Some(uvs), Some(texture)) => self.all(uvs, 0.0, |uv| texture.place(uv))?,
+            _ => Vec::new(),
+        };
         Ok(BakedFilePart {
             node_name: self.node.item.name().unwrap_or_default().to_owned(),
             name: self.mesh.name().unwrap_or_default().to_owned(),
-            material_name,
+            material_name: material.name,
             positions_m: self.all(&positions, 0.0, |p| {
                 let moved = if plain { p.into() } else { world.transform_point3(p.into()) };
                 moved.as_vec3().into()
@@ -94,7 +111,10 @@ impl PartReader<'_> {
                 turned.as_vec3().into()
             })?,
             color: self.all(&color, 1.0, |c: [f64; 4]| c.map(|c| c.clamp(0.0, 1.0) as f32))?,
-            base_color,
+            base_color: material.base_color,
+            texture: material.texture.map(|texture| texture.texture),
+            uvs,
+            emission: material.emission,
             irradiance: self.all(&irradiance, 0.0, |e: [f64; 3]| e.map(|e| e as f32))?,
             triangles: primitive::triangles(self.document, self.primitive, &self.place, count, mirrored, tally)?,
         })
@@ -102,14 +122,25 @@ impl PartReader<'_> {
 
     /// An attribute that every baked primitive has.
     fn attribute(&self, key: &'static str, width: &[usize], types: &[Component]) -> Result<Accessor<'_>, FormatError> {
-        let attributes = self.primitive.child("attributes")?;
-        let index = attributes.map(|attributes| attributes.whole(key)).transpose()?.flatten();
-        let index = index.ok_or_else(|| FormatError::NotBaked {
+        let index = self.index(key)?.ok_or_else(|| FormatError::NotBaked {
             file: self.document.file.clone(),
             place: self.place.clone(),
             what: key,
         })?;
         Accessor::open(self.document, index, &format!("{}, {key}", self.place), width, types)
+    }
+
+    /// The texture coordinates of a set, which a material with a texture needs.
+    fn coordinates(&self, set: usize) -> Result<Accessor<'_>, FormatError> {
+        let key = format!("TEXCOORD_{set}");
+        let index =
+            self.index(&key)?.ok_or_else(|| self.primitive.bad(&key, "is missing, and its texture needs it"))?;
+        Accessor::open(self.document, index, &format!("{}, {key}", self.place), &[2], &ANY)
+    }
+
+    fn index(&self, key: &str) -> Result<Option<usize>, FormatError> {
+        let attributes = self.primitive.child("attributes")?;
+        Ok(attributes.map(|attributes| attributes.whole(key)).transpose()?.flatten())
     }
 
     /// All elements of an attribute, each made into what the part holds, which must be finite.
@@ -134,18 +165,41 @@ impl PartReader<'_> {
         (0..accessor.count).map(one).collect()
     }
 
-    /// Name and base colour of the primitive's material.
-    fn material(&self) -> Result<(String, [f32; 4]), FormatError> {
+    /// The primitive's material.
+    fn material(&self) -> Result<Material, FormatError> {
         let white = [1.0; 4];
-        let Some(index) = self.primitive.whole("material")? else { return Ok((String::new(), white)) };
+        let Some(index) = self.primitive.whole("material")? else {
+            return Ok(Material { name: String::new(), base_color: white, texture: None, emission: None });
+        };
         let material = self.document.item(List::Materials, index, &self.place)?;
         let base = match material.child("pbrMetallicRoughness")? {
             Some(metallic) => metallic.numbers::<4>("baseColorFactor")?,
             None => None,
         };
-        let base = base.map_or(white, |base| base.map(|channel| channel.clamp(0.0, 1.0) as f32));
-        Ok((material.name().unwrap_or_default().to_owned(), base))
+        Ok(Material {
+            name: material.name().unwrap_or_default().to_owned(),
+            base_color: base.map_or(white, |base| base.map(|channel| channel.clamp(0.0, 1.0) as f32)),
+            texture: BaseTexture::of(self.document, &material)?,
+            emission: emission(&material)?,
+        })
     }
+}
+
+/// What a part takes over from its material.
+struct Material {
+    name: String,
+    base_color: [f32; 4],
+    texture: Option<BaseTexture>,
+    emission: Option<BakedEmission>,
+}
+
+/// What the writer left in the extras of an emitter.
+fn emission(material: &Item<'_>) -> Result<Option<BakedEmission>, FormatError> {
+    let Some(extras) = material.get("extras").filter(|extras| extras.is_object()) else { return Ok(None) };
+    let extras = Item::new(material.file, format!("{}, extras", material.place), extras)?;
+    let Some(facts) = extras.child("umbrage")? else { return Ok(None) };
+    let (radiance, reflectance) = (facts.numbers::<3>("radiance")?, facts.numbers::<3>("reflectance")?);
+    Ok(radiance.zip(reflectance).map(|(radiance, reflectance)| BakedEmission { radiance, reflectance }))
 }
 
 /// What turns normals with a surface: the inverse transpose, up to a positive factor.

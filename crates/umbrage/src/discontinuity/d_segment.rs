@@ -2,13 +2,13 @@
 
 use glam::DVec3;
 
-use crate::id::{EdgeId, EmitterId, FaceId, PlaneId, VertexId};
+use crate::id::{EdgeId, EmitterId, FaceId, LampId, PlaneId, VertexId};
 use crate::prepare::Prepared;
 
 /// Which derivative of the radiosity function jumps across a d-segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Degree {
-    /// The value: a contact of two surfaces.
+    /// The value: a contact of two surfaces, or the shadow of a lamp without extent.
     D0,
     /// The slope: an occluder edge coplanar with a source edge, the source's own plane, an occluder's plane.
     D1,
@@ -75,6 +75,13 @@ pub enum Event {
         /// Vertex of the occluder.
         occluder: VertexId,
     },
+    /// An occluder edge before a lamp without extent.
+    LampEdge {
+        /// The lamp.
+        lamp: LampId,
+        /// Edge of the occluder.
+        occluder: EdgeId,
+    },
 }
 
 impl Event {
@@ -87,6 +94,7 @@ impl Event {
             Self::EdgeEdge { .. } => "edge-edge",
             Self::VertexEdge { .. } => "vertex-edge",
             Self::EdgeVertex { .. } => "edge-vertex",
+            Self::LampEdge { .. } => "lamp-edge",
         }
     }
 }

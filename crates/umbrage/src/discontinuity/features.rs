@@ -11,15 +11,17 @@ use super::trace::{self, Received};
 use super::wedge::{Piece, Wedge};
 use super::{DSegment, Degree, Emitter, Event, emitter};
 use crate::geometry::Plane;
-use crate::id::{EdgeId, EmitterId, FaceId, PlaneId, Table, VertexId};
+use crate::id::{EdgeId, EmitterId, FaceId, LampId, PlaneId, Table, VertexId};
 use crate::prepare::Prepared;
-use crate::scene::Scene;
+use crate::scene::{Lamp, Scene};
 use crate::visibility::Visibility;
 
 /// Emitters, edges and corners of a scene: what its events are made of.
 #[derive(Clone, Debug)]
 pub struct Features {
     pub(super) emitters: Table<EmitterId, Emitter>,
+    /// Lamps without extent, in the frame of the prepared faces.
+    pub(super) lamps: Table<LampId, Lamp>,
     pub(super) sources: Sources,
     pub(super) occluders: OccluderEdges,
     pub(super) corners: Corners,
@@ -39,6 +41,7 @@ impl Features {
         Self {
             sources: Sources::new(scene, prepared, &emitters),
             emitters,
+            lamps: scene.lamps.iter().map(|lamp| lamp.clone().moved(|p| p - prepared.origin_m, |d| d, 1.0)).collect(),
             occluders: OccluderEdges::new(prepared),
             corners: Corners::new(scene, prepared),
             receives: prepared.faces.iter().map(|face| !scene.materials[face.material].emits()).collect(),

@@ -11,10 +11,10 @@ use rayon::prelude::*;
 use super::features::Surroundings;
 use super::{DSegment, Emitter, Features, contact};
 use crate::geometry::polygon;
-use crate::id::{DSegmentId, EmitterId, FaceId, PlaneId, Table};
+use crate::id::{DSegmentId, EmitterId, FaceId, LampId, PlaneId, Table};
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress, Stage};
-use crate::scene::Scene;
+use crate::scene::{Lamp, Scene};
 use crate::visibility::Visibility;
 
 /// Pairs that are traced between two reports of progress.
@@ -78,12 +78,13 @@ pub fn find(
     Ok(Discontinuities { emitters: features.emitters, segments: segments.into(), wedges })
 }
 
-/// What the emitters give to all faces together over their area, in W/m2: the mean of irradiance, if all light stays in the
-/// scene and is reflected by little.
+/// What emitters and lamps give to all faces together over their area, in W/m2: the mean of irradiance, if all light stays in the
+/// scene and is reflected by little. Distant lamps have no flux of their own, and count for nothing.
 fn mean_irradiance(prepared: &Prepared, features: &Features) -> f64 {
     let area_m2: f64 = prepared.faces.keys().map(|face| polygon::area_m2(&prepared.polygon_m(face))).sum();
     let flux = |emitter: &Emitter| std::f64::consts::PI * emitter.mean_radiance() * emitter.area_m2;
-    features.emitters.iter().map(flux).sum::<f64>() / area_m2.max(f64::MIN_POSITIVE)
+    let lamps = features.lamps.iter().filter_map(Lamp::flux_w).map(|flux_w| flux_w.element_sum() / 3.0);
+    (features.emitters.iter().map(flux).sum::<f64>() + lamps.sum::<f64>()) / area_m2.max(f64::MIN_POSITIVE)
 }
 
 /// All pairs of a source feature and an occluder feature, numbered: first all VE, then all EV, and so on.
@@ -91,7 +92,7 @@ struct Pairs<'a> {
     prepared: &'a Prepared,
     features: &'a Features,
     /// Where the numbers of each kind end.
-    ends: [usize; 5],
+    ends: [usize; 6],
 }
 
 impl<'a> Pairs<'a> {
@@ -103,6 +104,7 @@ impl<'a> Pairs<'a> {
             features.sources.edges.len() * edges,
             features.emitters.len() * prepared.planes.len(),
             features.emitters.len(),
+            features.lamps.len() * edges,
         ];
         let mut end = 0;
         let ends = counts.map(|count| {
@@ -113,7 +115,7 @@ impl<'a> Pairs<'a> {
     }
 
     fn count(&self) -> usize {
-        self.ends[4]
+        self.ends[5]
     }
 
     fn trace(&self, number: usize, around: &Surroundings<'_>) -> Vec<DSegment> {
@@ -138,7 +140,11 @@ impl<'a> Pairs<'a> {
                 let (source, occluder) = pair(self.prepared.planes.len());
                 around.occluder_plane(EmitterId::from(source), PlaneId::from(occluder))
             }
-            _ => around.source_plane(EmitterId::from(number)),
+            4 => around.source_plane(EmitterId::from(number)),
+            _ => {
+                let (lamp, occluder) = pair(occluders.edges.len());
+                around.lamp_edge(LampId::from(lamp), &occluders.edges[occluder])
+            }
         }
     }
 }
@@ -294,6 +300,43 @@ mod tests {
     }
 
     #[test]
+    fn lamps_cast_shadows_of_degree_0_where_they_fall() {
+        use crate::scene::LampKind;
+        let polygons = [floor(), square(DVec3::Z, 0.5, 0.0, true)];
+        let prepared = fixture::prepared(&polygons);
+        let visibility = Visibility::new(&prepared);
+        let cast = |kind: LampKind| {
+            let mut scene = fixture::scene(vec![Material::diffuse("grey", Rgb::splat(0.5))]);
+            scene.lamps.push(Lamp { name: String::new(), kind });
+            let found = find(&scene, &prepared, &visibility, 0.0, Progress::silent()).unwrap();
+            let mut lines: Vec<_> = on_floor(&found)
+                .into_iter()
+                .map(|segment| {
+                    assert_eq!(segment.degree, Degree::D0);
+                    let (x, y, offset) = line(segment);
+                    [x, y, offset, segment.length_m()].map(|v| (v * 1e9).round() / 1e9 + 0.0)
+                })
+                .collect();
+            lines.sort_by(|p, q| p.partial_cmp(q).unwrap());
+            lines
+        };
+        // From twice the plate's height its shadow is twice as large.
+        let point = LampKind::Point { position_m: DVec3::Z * 2.0, intensity: Rgb::ONE, range_m: None };
+        assert_eq!(
+            cast(point),
+            [[0.0, 1.0, -1.0, 2.0], [0.0, 1.0, 1.0, 2.0], [1.0, 0.0, -1.0, 2.0], [1.0, 0.0, 1.0, 2.0]]
+        );
+        // Light that goes 3 to the side while it falls by 4 moves it by 0.75 and leaves its size.
+        let sun = LampKind::Directional { direction: DVec3::new(0.6, 0.0, -0.8), irradiance: Rgb::ONE };
+        assert_eq!(
+            cast(sun),
+            [[0.0, 1.0, -0.5, 1.0], [0.0, 1.0, 0.5, 1.0], [1.0, 0.0, 0.25, 1.0], [1.0, 0.0, 1.25, 1.0]]
+        );
+        // From below the floor's front is dark.
+        assert!(cast(LampKind::Point { position_m: DVec3::NEG_Z, intensity: Rgb::ONE, range_m: None }).is_empty());
+    }
+
+    #[test]
     fn the_same_segments_come_from_one_and_two_threads() {
         let find_with = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -317,8 +360,10 @@ mod tests {
         let found = |least_share: f64| {
             find(&scene, &prepared, &visibility, least_share, Progress::silent()).unwrap().segments.raw
         };
-        let (all, strong) = (found(0.0), found(0.5));
-        assert!(!strong.is_empty() && strong.len() < all.len());
+        let all = found(0.0);
+        let shares = (-10..10).map(|exponent| 2f64.powi(exponent));
+        let strong = shares.map(found).find(|strong| strong.len() < all.len()).unwrap();
+        assert!(!strong.is_empty());
         let weakest = strong.iter().map(|segment| segment.strength).fold(f64::INFINITY, f64::min);
         let on_floor = |segment: &&DSegment| segment.face == FaceId::from(0) && segment.strength > 2.0 * weakest;
         assert!(all.iter().filter(on_floor).all(|segment| strong.contains(segment)));

@@ -3,6 +3,7 @@
 //! | degree | event | file |
 //! |---|---|---|
 //! | 0 | a surface ends on another | `contact` |
+//! | 0 | an occluder edge before a lamp without extent | `lamp` |
 //! | 1 | a source edge and an occluder edge in one plane | `edge_edge` |
 //! | 1 | an occluder's face seen edge-on before a source | `occluder_plane` |
 //! | 1 | the source's own plane | `source_plane` |
@@ -17,6 +18,7 @@ mod event;
 mod features;
 mod find;
 mod in_plane;
+mod lamp;
 mod merge;
 mod occluder_plane;
 mod silhouette;

@@ -9,6 +9,7 @@
 //! - behind a corner and a line (degree 2) the curvature, by radiance, cosine, that speed squared, and the jump of slope
 //!   of the corner's image (`corner`);
 //! - in the source's plane the slope, by the sum of radiance and cosine over `r3` and the area that is seen;
+//! - behind a lamp without extent (degree 0) the value, by all that it brings;
 //! - at a contact (degree 0) the value, at most by what the emitters give there unhindered.
 
 use std::f64::consts::PI;
@@ -23,7 +24,7 @@ use super::trace;
 use super::wedge::{Crossing, Piece, Wedge};
 use super::{DSegment, Degree, Event};
 use crate::geometry::{Plane, polygon};
-use crate::id::{EdgeId, EmitterId, FaceId, PlaneId};
+use crate::id::{EdgeId, EmitterId, FaceId, LampId, PlaneId};
 use crate::prepare::Prepared;
 use crate::scene::Rgb;
 use crate::visibility::Visibility;
@@ -69,6 +70,7 @@ impl Surroundings<'_> {
         let receiver = Receiver { face: segment.face, at, across: plane.normal.cross(along), plane };
         let jump = match segment.event {
             Event::Contact { .. } => self.of_contact(&receiver),
+            Event::LampEdge { lamp, .. } => self.of_lamp(&receiver, lamp),
             Event::SourcePlane { emitter } => self.of_source_plane(&receiver, emitter),
             Event::OccluderPlane { emitter, occluder } => self.of_occluder_plane(&receiver, emitter, occluder),
             Event::EdgeEdge { source, occluder, .. } => self.of_edges(&receiver, source, occluder),
@@ -281,6 +283,12 @@ impl Surroundings<'_> {
             }
         }
         nearest.1
+    }
+
+    /// At the shadow of a lamp: all that arrives.
+    fn of_lamp(&self, receiver: &Receiver, lamp: LampId) -> Rgb {
+        let Some(arriving) = self.features.lamps[lamp].arriving(receiver.at) else { return Rgb::ZERO };
+        receiver.plane.normal.dot(arriving.towards).max(0.0) * arriving.irradiance
     }
 
     /// What the receiver point sees of a line on a source, in the plane of both. Faces `but` are looked through.

@@ -187,6 +187,14 @@ pub(super) fn chord(visibility: &Visibility, face: FaceId, plane: &Plane) -> Opt
     Some((crossing, [first, farthest(first)?]))
 }
 
+/// The part of a straight piece, given by direction and nearness of its ends, in ascending order, with directions between 0
+/// and 1: directions and nearness of the ends.
+pub(super) fn clip_directions([first, last]: [(f64, f64); 2]) -> Option<([f64; 2], [f64; 2])> {
+    let s = [first.0.max(0.0), last.0.min(1.0)];
+    let nearness = |s: f64| first.1 + (last.1 - first.1) * (s - first.0) / (last.0 - first.0);
+    (s[1] - s[0] > LEAST_WIDTH).then(|| (s, s.map(nearness)))
+}
+
 /// Orders the ends of a straight piece from the first border ray to the second.
 fn direction_order(coefficients: DVec2) -> f64 {
     coefficients.y - coefficients.x

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use glam::{DVec2, DVec3};
+use glam::{DMat2, DVec2, DVec3};
 
 use super::Plane;
 
@@ -37,6 +37,23 @@ pub fn centroid(corners: &[DVec3]) -> DVec3 {
     if weight > 0.0 { moment / weight } else { mean }
 }
 
+/// Area mean of the outer product of the offset from the centroid with itself, of a convex polygon in a plane frame, in
+/// square metres; zero for one without area.
+pub fn second_moment_m2(corners: &[DVec2]) -> DMat2 {
+    let outer = |p: DVec2| DMat2::from_cols(p * p.x, p * p.y);
+    let Some(&first) = corners.first() else { return DMat2::ZERO };
+    let (mut area, mut moment, mut second) = (0.0, DVec2::ZERO, DMat2::ZERO);
+    for pair in corners.windows(2) {
+        let (p, q) = (pair[0] - first, pair[1] - first);
+        let doubled_area = p.perp_dot(q);
+        area += doubled_area;
+        moment += doubled_area * (p + q) / 3.0;
+        // Of a triangle with one corner at the origin.
+        second += doubled_area / 12.0 * (outer(p) + outer(q) + outer(p + q));
+    }
+    if area > 0.0 { second * (1.0 / area) - outer(moment / area) } else { DMat2::ZERO }
+}
+
 /// Length of the boundary, in metres.
 pub fn perimeter_m(corners: &[DVec3]) -> f64 {
     (0..corners.len()).map(|i| corners[i].distance(corners[(i + 1) % corners.len()])).sum()
@@ -64,6 +81,18 @@ pub fn compactness(area_m2: f64, perimeter_m: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_rectangle_has_a_twelfth_of_its_squared_sides() {
+        let corners = [(1.0, 2.0), (4.0, 2.0), (4.0, 4.0), (1.0, 4.0)].map(DVec2::from);
+        let moment = second_moment_m2(&corners);
+        assert!(
+            (moment - DMat2::from_diagonal(DVec2::new(9.0 / 12.0, 4.0 / 12.0)))
+                .to_cols_array()
+                .iter()
+                .all(|x| x.abs() < 1e-14)
+        );
+    }
 
     fn rectangle(width: f64, height: f64) -> Vec<DVec3> {
         [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)].map(|(x, y)| DVec3::new(x, y, 3.0)).to_vec()

@@ -1,39 +1,32 @@
 //! Irradiance at a point: direct light exactly, the rest from the hierarchy.
 //!
-//! Direct: `E = pi L F` for each emitting face, with Lambert's factor `F` of its exact visible part. Indirect: the links of
-//! the point's leaf and of all its ancestors, each evaluated at the point itself rather than averaged over the patch:
-//! their sources reflect `B - M`, and `E` sums `(B - M) F`. Where a link found its ends in clear sight of one another, the
-//! factor is the unoccluded one; else the exact visible part counts. A point may be nearer to a source than its patch is
-//! on the whole; so a source that is split gives way to its parts where that changes the sum by more than a trifle. A link
-//! that brings next to nothing is taken to be linear over its receiver, which it is to first order.
+//! Indirect light is gathered from all faces that matter. Of each, the part that the point sees is found exactly, and what
+//! that part reflects is summed down the face's patches ([`Reflected`]). So a shadow in indirect light is as sharp as it is,
+//! and no light passes a wall, however coarse the links are. Faces that bring next to nothing are taken from the links of
+//! the point's leaf and of its ancestors, linear over their receivers.
 //!
 //! Before: a point lies inside its triangle, never on an edge or a contact: there the limit depends on the direction, and
 //! the caller chooses it by where it puts the point.
 
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use smallvec::smallvec;
+
 use super::field::Field;
+use super::reflected::{Part, Reflected};
 use crate::id::{FaceId, PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
-use crate::scene::{Rgb, Scene};
+use crate::scene::Rgb;
 use crate::solve::Solution;
-use crate::transport::form_factor::{point_to_polygon, point_to_visible_part};
-use crate::transport::{Link, Links, Sight};
-use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility};
+use crate::transport::form_factor::point_to_polygon;
+use crate::transport::{DirectLight, Links};
+use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility, VisiblePart};
 
-/// A link that brings less than this share of the mean irradiance is weak: what its linear form errs is a part of that.
-const WEAK_OF_MEAN: f64 = 1e-3;
-
-/// A source gives way to its parts where that may change irradiance by more than this share of its mean: a point gathers
-/// over some hundred links, whose errors partly cancel.
-const TRIFLE_OF_MEAN: f64 = 1e-3;
-
-/// An emitting face.
-#[derive(Clone, Debug)]
-struct Emitter {
-    polygon: SourcePolygon,
-    /// Emitted exitance, in W/m2.
-    exitance: Rgb,
-}
+/// A face that could not bring more than this share of the mean irradiance is weak: what the linear form of its links
+/// errs is a part of that.
+const WEAK_OF_MEAN: f64 = 5e-3;
 
 /// Evaluates irradiance at points.
 #[derive(Debug)]
@@ -41,49 +34,54 @@ pub struct Irradiance<'a> {
     visibility: &'a Visibility,
     mesh: &'a Mesh,
     links: &'a Links,
-    emitters: Vec<Emitter>,
+    direct: &'a DirectLight<'a>,
+    reflected: Reflected<'a>,
+    faces: Table<FaceId, ReflectingFace>,
     /// Mean irradiance of all faces, in W/m2.
     mean: f64,
-    /// What each patch sends on of what it receives, `B - M`, in W/m2.
-    reflected: Table<PatchId, Rgb>,
-    /// Polygons of the patches that reflect.
-    polygons: Table<PatchId, Option<SourcePolygon>>,
-    /// A source gives way to its parts where that may change the sum by more, in W/m2.
-    trifle: f64,
+    /// A face that could not bring more is weak, in W/m2.
+    weak: f64,
+}
+
+/// A face as a source.
+#[derive(Debug)]
+struct ReflectingFace {
+    polygon: SourcePolygon,
+    middle_m: DVec3,
+    radius_m: f64,
+    area_m2: f64,
+    /// The most that it reflects anywhere, in W/m2.
+    greatest: f64,
 }
 
 impl<'a> Irradiance<'a> {
     /// Prepares the evaluation of a solved scene.
     pub fn new(
-        scene: &Scene,
         prepared: &Prepared,
         visibility: &'a Visibility,
         mesh: &'a Mesh,
         links: &'a Links,
-        solution: &Solution,
+        direct: &'a DirectLight<'a>,
+        solution: &'a Solution,
     ) -> Self {
-        let material = |face: FaceId| &scene.materials[prepared.faces[face].material];
-        let emitting = prepared.faces.keys().filter(|&face| material(face).emits());
-        let emitters = emitting
-            .map(|face| Emitter {
-                polygon: SourcePolygon::of_face(prepared, face),
-                exitance: material(face).exitance(),
-            })
-            .collect();
-        let reflected: Table<PatchId, Rgb> = solution
-            .radiosity
-            .iter_enumerated()
-            .map(|(id, &radiosity)| (radiosity - material(mesh.patch(id).face).exitance()).max(Rgb::ZERO))
-            .collect();
-        let polygon = |id: PatchId| SourcePolygon::on_face(prepared, mesh.patch(id).face, mesh.polygon_m(id));
-        let polygons =
-            reflected.iter_enumerated().map(|(id, &light)| (light != Rgb::ZERO).then(|| polygon(id))).collect();
         let roots = || prepared.faces.keys().map(|face| mesh.root(face));
         let area_m2: f64 = roots().map(|root| mesh.patch(root).area_m2).sum();
         let power: Rgb = roots().map(|root| solution.irradiance[root] * mesh.patch(root).area_m2).sum();
         let mean = power.element_sum() / 3.0 / area_m2;
-        let trifle = TRIFLE_OF_MEAN * power.max_element() / area_m2;
-        Self { visibility, mesh, links, emitters, mean, trifle, reflected, polygons }
+        let reflected = Reflected::new(mesh, &solution.reflected, power.max_element() / area_m2);
+        let reflecting = |face: FaceId| {
+            let (polygon, root) = (SourcePolygon::of_face(prepared, face), mesh.patch(mesh.root(face)));
+            let reach = |corner: &DVec3| corner.distance(root.centroid_m);
+            ReflectingFace {
+                middle_m: root.centroid_m,
+                radius_m: polygon.corners_m.iter().map(reach).fold(0.0, f64::max),
+                area_m2: root.area_m2,
+                greatest: reflected.greatest(mesh.root(face)),
+                polygon,
+            }
+        };
+        let faces = prepared.faces.keys().map(reflecting).collect();
+        Self { visibility, mesh, links, direct, reflected, faces, mean, weak: WEAK_OF_MEAN * mean }
     }
 
     /// Mean irradiance of all faces, over the three colours, in W/m2.
@@ -93,58 +91,72 @@ impl<'a> Irradiance<'a> {
 
     /// Irradiance straight from the emitters, in W/m2.
     pub fn direct(&self, receiver: &ReceiverPoint) -> Rgb {
-        self.emitters.iter().map(|emitter| emitter.exitance * self.visible_factor(receiver, &emitter.polygon)).sum()
+        self.direct.at(receiver)
     }
 
     /// Irradiance by reflection, in W/m2, at a point of `face`.
     pub fn indirect(&self, receiver: &ReceiverPoint, face: FaceId) -> Rgb {
+        let (mut sum, mut weak) = (Rgb::ZERO, Vec::new());
+        for source in self.faces.keys() {
+            let most = self.most_from(receiver, source);
+            if most >= self.weak {
+                sum += self.from_face(receiver, source);
+            } else if most > 0.0 {
+                weak.push(source);
+            }
+        }
+        (sum + self.from_weak(receiver.position_m, face, &weak)).max(Rgb::ZERO)
+    }
+
+    /// The most that a face could bring, in W/m2, if nothing stood between and it were as bright as its brightest spot; a
+    /// rougher bound where that is weak.
+    fn most_from(&self, receiver: &ReceiverPoint, source: FaceId) -> f64 {
+        let face = &self.faces[source];
+        let faces = face.greatest > 0.0
+            && receiver.plane != face.polygon.plane
+            && face.polygon.oriented_plane.signed_distance_m(receiver.position_m) > 0.0;
+        if !faces {
+            return 0.0;
+        }
+        let apart_m = receiver.position_m.distance(face.middle_m) - face.radius_m;
+        let bound = face.greatest * face.area_m2 / (PI * apart_m * apart_m);
+        if apart_m > 0.0 && bound < self.weak {
+            return bound;
+        }
+        face.greatest * point_to_polygon(receiver.position_m, receiver.normal, &face.polygon.corners_m)
+    }
+
+    /// What comes over the links of a point's leaf and of the leaf's ancestors from the faces in `weak`, which are in order.
+    fn from_weak(&self, position_m: DVec3, face: FaceId, weak: &[FaceId]) -> Rgb {
+        let frame = self.mesh.frame(face);
+        let at_m = frame.to_2d(position_m);
         let mut sum = Rgb::ZERO;
-        let mut node = Some(self.mesh.leaf_at(face, receiver.position_m));
-        while let Some(patch) = node {
-            for link in self.links.of(patch) {
-                sum += self.over_link(receiver, link);
+        if weak.is_empty() {
+            return sum;
+        }
+        let mut node = Some(self.mesh.leaf_at(face, position_m));
+        while let Some(receiver) = node {
+            let patch = self.mesh.patch(receiver);
+            let away_m = at_m - frame.to_2d(patch.centroid_m);
+            for link in self.links.of(receiver) {
+                if weak.binary_search(&self.mesh.patch(link.source).face).is_ok() {
+                    let factor = link.form_factor + link.gradient.as_dvec2().dot(away_m);
+                    sum += factor * self.reflected.mean(link.source);
+                }
             }
-            node = self.mesh.patch(patch).parent;
+            node = patch.parent;
         }
-        sum.max(Rgb::ZERO)
+        sum
     }
 
-    /// Irradiance over a link at a point of its receiver.
-    fn over_link(&self, receiver: &ReceiverPoint, link: &Link) -> Rgb {
-        let light = self.reflected[link.source];
-        if light.max_element() * link.form_factor < WEAK_OF_MEAN * self.mean {
-            let patch = self.mesh.patch(link.receiver);
-            let frame = self.mesh.frame(patch.face);
-            let away = frame.to_2d(receiver.position_m) - frame.to_2d(patch.centroid_m);
-            return (link.form_factor + link.gradient.as_dvec2().dot(away)) * light;
-        }
-        self.reflected_by(receiver, link.source, link.sight)
-    }
-
-    /// Irradiance by what a patch reflects, taken by parts where it varies enough.
-    fn reflected_by(&self, receiver: &ReceiverPoint, source: PatchId, sight: Sight) -> Rgb {
-        let Some(polygon) = &self.polygons[source] else { return Rgb::ZERO };
-        let unhindered = point_to_polygon(receiver.position_m, receiver.normal, &polygon.corners_m);
-        if unhindered == 0.0 {
-            return Rgb::ZERO;
-        }
-        let light = self.reflected[source];
-        if let Some(parts) = self.mesh.patch(source).subpatches {
-            let change =
-                parts.iter().map(|&part| (self.reflected[part] - light).abs().max_element()).fold(0.0, f64::max);
-            if unhindered * change > self.trifle {
-                return parts.iter().map(|&part| self.reflected_by(receiver, part, sight)).sum();
-            }
-        }
-        match sight {
-            Sight::Clear => unhindered * light,
-            Sight::Partial => self.visible_factor(receiver, polygon) * light,
-        }
-    }
-
-    fn visible_factor(&self, receiver: &ReceiverPoint, source: &SourcePolygon) -> f64 {
-        let part = self.visibility.visible_part(receiver, source);
-        point_to_visible_part(receiver.position_m, receiver.normal, &part)
+    /// Irradiance by what a face reflects.
+    fn from_face(&self, receiver: &ReceiverPoint, face: FaceId) -> Rgb {
+        let part: Part = match self.visibility.visible_part(receiver, &self.faces[face].polygon) {
+            VisiblePart::Nothing => return Rgb::ZERO,
+            VisiblePart::Whole(corners_m) => smallvec![corners_m],
+            VisiblePart::Part(contours) => contours.iter().map(<[DVec3]>::to_vec).collect(),
+        };
+        self.reflected.by(receiver, self.mesh.root(face), &part)
     }
 }
 
@@ -193,10 +205,11 @@ mod tests {
         let coplanar_m = prepared.tolerance.coplanar_m();
         let oracle = FormFactorOracle { max_form_factor: 0.02, min_area_m2: 0.002, coplanar_m };
         let links = link_all(&prepared, &index, &mut mesh, &oracle, Progress::silent()).unwrap();
-        let surfaces = Surfaces::new(&scene, &prepared, &mesh);
+        let direct = DirectLight::new(&scene, &prepared, &index);
+        let surfaces = Surfaces::new(&scene, &prepared, &mesh, &direct);
         let settings = SolveSettings { max_residual: 1e-7, max_iterations: 99 };
         let solution = solve(&mesh, &surfaces, &links, settings, Progress::silent()).unwrap();
-        let irradiance = Irradiance::new(&scene, &prepared, &index, &mesh, &links, &solution);
+        let irradiance = Irradiance::new(&prepared, &index, &mesh, &links, &direct, &solution);
         let face = FaceId::from(face);
         let corners = prepared.polygon_m(face);
         let evaluate = |&[s, t]: &[f64; 2]| {

@@ -2,14 +2,18 @@
 
 mod assemble;
 mod baked_mesh;
+mod bounce;
 mod corner_group;
+mod element;
 mod field;
 mod interpolated;
 mod irradiance;
 mod refine;
+mod reflected;
 #[expect(clippy::module_inception, reason = "the module's main function is named like the module")]
 mod shade;
 
 pub use baked_mesh::{BakedMesh, BakedMeshError, BakedPart};
+pub use bounce::bounce;
 pub use irradiance::Irradiance;
 pub use shade::{ShadeSettings, Shaded, shade};

@@ -1,16 +1,18 @@
-//! Iterations to a stated residual: `B <- M + rho F B` from `B = M`, each one a bounce of light (Jacobi).
+//! Iterations to a stated residual: `R <- rho (D + F R)` from `R = rho D`, each one a bounce of light (Jacobi), where `R` is
+//! the reflected radiosity and `D` the direct irradiance.
 //!
 //! The residual is the area mean of what a bounce changes, relative to the area mean of radiosity, in the worst channel.
 //! What is still missing is at most the residual times `rho / (1 - rho)`. Sums run over leaves in the order of their
 //! numbers: the same bits come out whatever the number of threads.
 
-use super::gather::{LinearIrradiance, RadiosityMoments, gather};
-use super::push_pull::{Surfaces, push_pull};
+use super::gather::{RadiosityMoments, gather};
+use super::push_pull::push_pull;
+use super::surfaces::Surfaces;
 use crate::id::{PatchId, Table};
 use crate::mesh::Mesh;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::Rgb;
-use crate::transport::Links;
+use crate::transport::{Linear, Links};
 
 /// When iterations stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,8 +32,8 @@ impl Default for SolveSettings {
 /// Light of every node of the hierarchy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
-    /// Radiosity `B` of each patch, in W/m2: its area mean.
-    pub radiosity: Table<PatchId, Rgb>,
+    /// What each patch reflects, `B - M`, in W/m2: its area mean and the best linear fit.
+    pub reflected: Table<PatchId, Linear<Rgb>>,
     /// Irradiance `E` of each patch, in W/m2: its area mean.
     pub irradiance: Table<PatchId, Rgb>,
     /// Relative residual that was reached.
@@ -44,12 +46,12 @@ pub struct Solution {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SolutionError {
     /// A value is negative, NaN or infinite.
-    #[error("{patch:?} has radiosity {radiosity} and irradiance {irradiance}")]
+    #[error("{patch:?} reflects {reflected} of irradiance {irradiance}")]
     BadLight {
         /// The patch.
         patch: PatchId,
-        /// Its radiosity.
-        radiosity: Rgb,
+        /// The radiosity that it reflects.
+        reflected: Rgb,
         /// Its irradiance.
         irradiance: Rgb,
     },
@@ -61,11 +63,12 @@ impl Solution {
     /// # Errors
     /// The first bad value.
     pub fn validate(&self) -> Result<(), SolutionError> {
-        for (patch, (&radiosity, &irradiance)) in self.radiosity.keys().zip(self.radiosity.iter().zip(&self.irradiance))
+        for (patch, (reflected, &irradiance)) in self.reflected.keys().zip(self.reflected.iter().zip(&self.irradiance))
         {
             let good = |light: Rgb| light.is_finite() && light.min_element() >= 0.0;
-            if !good(radiosity) || !good(irradiance) {
-                return Err(SolutionError::BadLight { patch, radiosity, irradiance });
+            let reflected = reflected.mean;
+            if !good(reflected) || !good(irradiance) {
+                return Err(SolutionError::BadLight { patch, reflected, irradiance });
             }
         }
         Ok(())
@@ -83,25 +86,35 @@ pub fn solve(
     settings: SolveSettings,
     progress: Progress<'_>,
 ) -> Result<Solution, Cancelled> {
-    let nothing = Table::from(vec![LinearIrradiance::default(); mesh.patch_count()]);
-    let (mut irradiance, mut radiosity) = push_pull(mesh, surfaces, nothing);
+    let nothing = Table::from(vec![Linear::default(); mesh.patch_count()]);
+    let (mut irradiance, mut reflected) = push_pull(mesh, surfaces, nothing);
     let (mut residual, mut iterations) = (1.0, 0);
     while residual > settings.max_residual && iterations < settings.max_iterations {
         progress.report(Stage::Solve, iterations, 0)?;
-        let bounced = push_pull(mesh, surfaces, gather(links, &radiosity));
-        residual = relative_change(mesh, &radiosity, &bounced.1);
-        (irradiance, radiosity) = bounced;
+        let bounced = push_pull(mesh, surfaces, gather(links, &reflected));
+        residual = relative_change(mesh, surfaces, &reflected, &bounced.1);
+        (irradiance, reflected) = bounced;
         iterations += 1;
     }
-    let radiosity = radiosity.iter().map(|node| node.mean).collect();
-    let solution = Solution { radiosity, irradiance, residual, iterations };
-    tracing::debug!(iterations = solution.iterations, residual = solution.residual, "solved");
-    Ok(solution)
+    tracing::debug!(iterations, residual, "solved");
+    let reflected = reflected.iter_enumerated().map(|(id, node)| linear(surfaces, id, node)).collect();
+    Ok(Solution { reflected, irradiance: irradiance.iter().map(|node| node.mean).collect(), residual, iterations })
+}
+
+/// The linear function with given moments.
+fn linear(surfaces: &Surfaces, patch: PatchId, moments: &RadiosityMoments) -> Linear<Rgb> {
+    let inverse = surfaces.second_moment_m2[patch].inverse();
+    if !inverse.is_finite() {
+        return Linear { mean: moments.mean, gradient: [Rgb::ZERO; 2] };
+    }
+    let row = |i: usize| inverse.col(0)[i] * moments.first[0] + inverse.col(1)[i] * moments.first[1];
+    Linear { mean: moments.mean, gradient: [row(0), row(1)] }
 }
 
 /// Area mean of the change of radiosity over the area mean of radiosity, in the worst channel.
 fn relative_change(
     mesh: &Mesh,
+    surfaces: &Surfaces,
     before: &Table<PatchId, RadiosityMoments>,
     after: &Table<PatchId, RadiosityMoments>,
 ) -> f64 {
@@ -109,7 +122,7 @@ fn relative_change(
     for leaf in mesh.leaves() {
         let area_m2 = mesh.patch(leaf).area_m2;
         change += area_m2 * (after[leaf].mean - before[leaf].mean).abs();
-        light += area_m2 * after[leaf].mean;
+        light += area_m2 * (surfaces.exitance[leaf] + after[leaf].mean);
     }
     (0..3).filter(|&channel| light[channel] > 0.0).map(|channel| change[channel] / light[channel]).fold(0.0, f64::max)
 }
@@ -120,20 +133,20 @@ mod tests {
     use crate::mesh::MeshSettings;
     use crate::prepare::Prepared;
     use crate::scene::{Material, Scene};
-    use crate::transport::{FormFactorOracle, link_all};
+    use crate::transport::{DirectLight, FormFactorOracle, link_all};
     use crate::visibility::{Visibility, fixture};
     use glam::DVec3;
 
-    fn solved(scene: &Scene, prepared: &Prepared, f_max: f64, settings: SolveSettings) -> (Mesh, Solution) {
+    fn solved(scene: &Scene, prepared: &Prepared, f_max: f64, settings: SolveSettings) -> (Mesh, Surfaces, Solution) {
         let mut mesh = Mesh::new(prepared, &Table::new(), MeshSettings::default());
         let coplanar_m = prepared.tolerance.coplanar_m();
         let oracle = FormFactorOracle { max_form_factor: f_max, min_area_m2: 0.002, coplanar_m };
         let index = Visibility::new(prepared);
         let links = link_all(prepared, &index, &mut mesh, &oracle, Progress::silent()).unwrap();
-        let surfaces = Surfaces::new(scene, prepared, &mesh);
+        let surfaces = Surfaces::new(scene, prepared, &mesh, &DirectLight::new(scene, prepared, &index));
         let solution = solve(&mesh, &surfaces, &links, settings, Progress::silent()).unwrap();
         solution.validate().unwrap();
-        (mesh, solution)
+        (mesh, surfaces, solution)
     }
 
     fn mean_over_leaves(mesh: &Mesh, value: impl Fn(PatchId) -> f64) -> f64 {
@@ -150,11 +163,12 @@ mod tests {
     fn a_furnace_has_radiosity_two_everywhere() {
         let prepared = fixture::prepared(&fixture::inward_box(DVec3::ZERO, DVec3::ONE));
         let scene = fixture::scene(vec![glowing(0.5)]);
-        let (mesh, solution) =
+        let (mesh, surfaces, solution) =
             solved(&scene, &prepared, 0.02, SolveSettings { max_residual: 1e-7, max_iterations: 99 });
-        let mean = mean_over_leaves(&mesh, |leaf| solution.radiosity[leaf].x);
+        let radiosity = |leaf: PatchId| surfaces.exitance[leaf].x + solution.reflected[leaf].mean.x;
+        let mean = mean_over_leaves(&mesh, radiosity);
         assert!((mean - 2.0).abs() < 1e-3, "area mean {mean}");
-        let rms = mean_over_leaves(&mesh, |leaf| (solution.radiosity[leaf].x - 2.0).powi(2)).sqrt() / 2.0;
+        let rms = mean_over_leaves(&mesh, |leaf| (radiosity(leaf) - 2.0).powi(2)).sqrt() / 2.0;
         assert!(rms < 0.02, "rms {rms}");
     }
 
@@ -165,9 +179,8 @@ mod tests {
         let prepared = fixture::prepared_of_materials(&polygons);
         let grey = Material::diffuse("grey", Rgb::new(0.7, 0.5, 0.2));
         let scene = fixture::scene(vec![grey, Material::emitting("lamp", Rgb::ONE)]);
-        let (mesh, solution) =
+        let (mesh, surfaces, solution) =
             solved(&scene, &prepared, 0.02, SolveSettings { max_residual: 1e-7, max_iterations: 99 });
-        let surfaces = Surfaces::new(&scene, &prepared, &mesh);
         for channel in 0..3 {
             let emitted = mean_over_leaves(&mesh, |leaf| surfaces.exitance[leaf][channel]);
             let absorbed = mean_over_leaves(&mesh, |leaf| {
@@ -181,9 +194,9 @@ mod tests {
     fn the_residual_is_reached_and_told() {
         let prepared = fixture::prepared(&fixture::inward_box(DVec3::ZERO, DVec3::ONE));
         let scene = fixture::scene(vec![glowing(0.5)]);
-        let (_, solution) = solved(&scene, &prepared, 1.0, SolveSettings::default());
+        let (_, _, solution) = solved(&scene, &prepared, 1.0, SolveSettings::default());
         assert!(solution.residual <= 1e-4 && solution.iterations > 5);
-        let (_, early) = solved(&scene, &prepared, 1.0, SolveSettings { max_iterations: 3, ..Default::default() });
+        let (_, _, early) = solved(&scene, &prepared, 1.0, SolveSettings { max_iterations: 3, ..Default::default() });
         assert!(early.residual > 1e-4 && early.iterations == 3);
     }
 
@@ -193,7 +206,7 @@ mod tests {
         let scene = fixture::scene(vec![glowing(0.8)]);
         let of_threads = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| solved(&scene, &prepared, 0.1, SolveSettings::default()).1)
+            pool.install(|| solved(&scene, &prepared, 0.1, SolveSettings::default()).2)
         };
         assert_eq!(of_threads(1), of_threads(2));
     }

@@ -1,12 +1,19 @@
 //! How light travels between patches: form factors, links, the oracle and `subdivide` (paper, sections 2 and 6).
 
 mod contour;
+mod direct;
+pub mod exact;
+mod exchange;
+mod fit;
 pub mod form_factor;
+mod lamps;
 mod link;
 mod oracle;
 mod sample;
 mod subdivide;
 
-pub use link::{Link, LinkError, Links, Node, Sight};
+pub use direct::DirectLight;
+pub use fit::Linear;
+pub use link::{Link, LinkError, Links, Node};
 pub use oracle::{Decision, FormFactorOracle, Oracle};
 pub use subdivide::link_all;

@@ -23,7 +23,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::link::{Links, Node, link_both_ways};
+use super::exchange::link_both_ways;
+use super::link::{Links, Node};
 use super::oracle::{Decision, Oracle};
 use crate::id::FaceId;
 use crate::mesh::Mesh;

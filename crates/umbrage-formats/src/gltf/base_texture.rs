@@ -1,0 +1,98 @@
+//! The base colour texture of a baked material: its image, what lies beyond its border, and where vertices lie in it.
+//!
+//! Sources: glTF 2.0, sections 3.8 and 3.9.2; `KHR_texture_transform`, which is applied to the coordinates here, so that
+//! nothing later has to know of it. Images stay the files that they are: formats do not decode pictures.
+
+use glam::DVec2;
+
+use super::document::{Document, List};
+use super::item::Item;
+use crate::{BakedTexture, FormatError, TextureWrap};
+
+/// Extensions that hold an image in another format, for a texture that has no plain source.
+const OTHER_FORMATS: [&str; 4] = ["KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"];
+
+/// A texture, and how its coordinates are found.
+#[derive(Debug)]
+pub(super) struct BaseTexture {
+    pub(super) texture: BakedTexture,
+    /// The set of coordinates: `TEXCOORD_n`.
+    pub(super) set: usize,
+    /// What turns them into places in the image: offset, rotation in radians, scale.
+    transform: ([f64; 2], f64, [f64; 2]),
+}
+
+impl BaseTexture {
+    /// The base colour texture of a material, if it has one.
+    pub(super) fn of(document: &Document, material: &Item<'_>) -> Result<Option<Self>, FormatError> {
+        let Some(metallic) = material.child("pbrMetallicRoughness")? else { return Ok(None) };
+        let Some(info) = metallic.child("baseColorTexture")? else { return Ok(None) };
+        let texture = document.item(List::Textures, info.required_whole("index")?, &info.place)?;
+        let Some(image) = texture.whole("source")? else { return without_source(&texture) };
+        document.item(List::Images, image, &texture.place)?;
+        let wrap = match texture.whole("sampler")? {
+            Some(sampler) => {
+                let sampler = document.item(List::Samplers, sampler, &texture.place)?;
+                [wrap(&sampler, "wrapS")?, wrap(&sampler, "wrapT")?]
+            }
+            None => [TextureWrap::Repeat; 2],
+        };
+        let mut set = info.whole("texCoord")?.unwrap_or(0);
+        let mut transform = ([0.0; 2], 0.0, [1.0; 2]);
+        if let Some(extension) = info.extension("KHR_texture_transform")? {
+            set = extension.whole("texCoord")?.unwrap_or(set);
+            transform = (
+                extension.numbers::<2>("offset")?.unwrap_or(transform.0),
+                extension.number("rotation")?.unwrap_or(transform.1),
+                extension.numbers::<2>("scale")?.unwrap_or(transform.2),
+            );
+        }
+        Ok(Some(Self { texture: BakedTexture { image, wrap }, set, transform }))
+    }
+
+    /// The place in the image that a coordinate means, (0, 0) being its upper left corner.
+    pub(super) fn place(&self, coordinate: [f64; 2]) -> [f32; 2] {
+        let (offset, rotation, scale) = self.transform;
+        let scaled = DVec2::from(coordinate) * DVec2::from(scale);
+        let (sin, cos) = rotation.sin_cos();
+        let turned = DVec2::new(cos * scaled.x + sin * scaled.y, cos * scaled.y - sin * scaled.x);
+        (turned + DVec2::from(offset)).as_vec2().into()
+    }
+}
+
+fn without_source(texture: &Item<'_>) -> Result<Option<BaseTexture>, FormatError> {
+    for name in OTHER_FORMATS {
+        if texture.extension(name)?.is_some() {
+            return Err(FormatError::UnsupportedExtension {
+                file: texture.file.to_owned(),
+                place: texture.place.clone(),
+                extension: name.to_owned(),
+                cure: "convert its images to PNG or JPEG",
+            });
+        }
+    }
+    Ok(None)
+}
+
+fn wrap(sampler: &Item<'_>, key: &str) -> Result<TextureWrap, FormatError> {
+    match sampler.whole(key)?.unwrap_or(10_497) {
+        10_497 => Ok(TextureWrap::Repeat),
+        33_648 => Ok(TextureWrap::Mirror),
+        33_071 => Ok(TextureWrap::Clamp),
+        other => Err(sampler.bad(key, format!("{other} is not a way to wrap"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_are_scaled_then_turned_then_moved() {
+        let transform = ([0.5, -1.0], std::f64::consts::FRAC_PI_2, [2.0, 4.0]);
+        let texture = BakedTexture { image: 0, wrap: [TextureWrap::Repeat; 2] };
+        let placed = BaseTexture { texture, set: 0, transform }.place([1.0, 0.25]);
+        // (2, 1) turned by a quarter is (1, -2), in the extension's sense of rotation.
+        assert!((placed[0] - 1.5).abs() < 1e-6 && (placed[1] + 3.0).abs() < 1e-6, "{placed:?}");
+    }
+}

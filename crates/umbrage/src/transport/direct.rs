@@ -1,0 +1,80 @@
+//! Direct light: irradiance straight from the emitters, exactly.
+//!
+//! At a point, `E = M F` for each emitting face, with its exitance `M` and Lambert's factor `F` of its exact visible part; and
+//! what each lamp brings that an exact ray sees.
+//! Over a patch, a linear fit to such points. Direct light carries the shadows; so it never goes over links, whose factors
+//! are linear over patches that may be large. Links carry what is reflected.
+
+use crate::id::{FaceId, PatchId, Table};
+use crate::mesh::Mesh;
+use crate::prepare::Prepared;
+use crate::scene::{Rgb, Scene};
+use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility};
+
+use super::fit::Linear;
+use super::form_factor::point_to_visible_part;
+use super::lamps::Lamps;
+use super::sample::{self, Rule};
+use rayon::prelude::*;
+
+/// An emitting face.
+#[derive(Clone, Debug)]
+struct Emitter {
+    polygon: SourcePolygon,
+    /// Emitted exitance, in W/m2.
+    exitance: Rgb,
+}
+
+/// Evaluates direct light.
+#[derive(Debug)]
+pub struct DirectLight<'a> {
+    prepared: &'a Prepared,
+    visibility: &'a Visibility,
+    emitters: Vec<Emitter>,
+    lamps: Lamps,
+}
+
+impl<'a> DirectLight<'a> {
+    /// The light of a scene's emitting faces.
+    pub fn new(scene: &Scene, prepared: &'a Prepared, visibility: &'a Visibility) -> Self {
+        let material = |face: FaceId| &scene.materials[prepared.faces[face].material];
+        let emitting = prepared.faces.keys().filter(|&face| material(face).emits());
+        let emitters = emitting
+            .map(|face| Emitter {
+                polygon: SourcePolygon::of_face(prepared, face),
+                exitance: material(face).exitance(),
+            })
+            .collect();
+        let lamps = Lamps::new(scene, prepared);
+        Self { prepared, visibility, emitters, lamps }
+    }
+
+    /// Irradiance at a point, in W/m2.
+    pub fn at(&self, receiver: &ReceiverPoint) -> Rgb {
+        let from = |emitter: &Emitter| {
+            let part = self.visibility.visible_part(receiver, &emitter.polygon);
+            emitter.exitance * point_to_visible_part(receiver.position_m, receiver.normal, &part)
+        };
+        self.emitters.iter().map(from).sum::<Rgb>() + self.lamps.at(self.visibility, receiver)
+    }
+
+    /// Irradiance of a patch, in W/m2.
+    pub fn over(&self, mesh: &Mesh, patch: PatchId) -> Linear<Rgb> {
+        let face = mesh.patch(patch).face;
+        let frame = mesh.frame(face);
+        let centre = frame.to_2d(mesh.patch(patch).centroid_m);
+        Linear::fit(sample::points(&mesh.polygon_m(patch), Rule::Six).into_iter().map(|(point_m, weight)| {
+            let receiver = ReceiverPoint::on_face(self.prepared, face, point_m);
+            (frame.to_2d(point_m) - centre, weight, self.at(&receiver))
+        }))
+    }
+
+    /// Irradiance of all leaves; zero for patches that are split.
+    pub fn over_leaves(&self, mesh: &Mesh) -> Table<PatchId, Linear<Rgb>> {
+        let of = |number: usize| {
+            let patch = PatchId::from(number);
+            if mesh.patch(patch).subpatches.is_some() { Linear::default() } else { self.over(mesh, patch) }
+        };
+        Table::from((0..mesh.patch_count()).into_par_iter().map(of).collect::<Vec<_>>())
+    }
+}
