@@ -11,6 +11,7 @@ use umbrage::progress::Progress;
 use umbrage::scene::Scene;
 use umbrage_formats::{BakeFacts, Written, write_baked_glb};
 
+use crate::light::Fluxes;
 use crate::method::{MethodArgs, positive, share};
 use crate::output::Output;
 use crate::progress::Bar;
@@ -65,7 +66,7 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     let bake =
         bake_scene(&scene, &settings, output).with_context(|| format!("cannot bake {}", args.scene.display()))?;
     let written = write(&scene, &bake, &settings, args.exposure, &args.output)?;
-    let summary = summary::summary(&bake.report, &written, begin.elapsed());
+    let summary = summary::summary(&bake.report, &Fluxes::new(&scene), &written, begin.elapsed());
     output.say(&format!("{summary}Wrote {} ({})", args.output.display(), summary::bytes(written.bytes)))
 }
 
@@ -97,6 +98,7 @@ pub(crate) fn write(
     extras.insert("score".into(), settings.score.to_string().into());
     extras.insert("mend_bad_shapes".into(), settings.mend_bad_shapes.into());
     extras.insert("discontinuities".into(), settings.discontinuities.into());
+    extras.insert("error".into(), bake.report.error.into());
     let facts = BakeFacts { exposure, residual: bake.report.residual, extras };
     Ok(write_baked_glb(scene, &bake.mesh, &facts, path)?)
 }

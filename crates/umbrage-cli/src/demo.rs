@@ -11,6 +11,7 @@ use umbrage_formats::write_atomically;
 use umbrage_picture::{Camera, RenderSettings};
 
 use crate::bake::{bake_scene, write};
+use crate::light::Fluxes;
 use crate::output::Output;
 use crate::shown::{Colors, Shown, default_camera};
 use crate::{interrupt, summary};
@@ -42,7 +43,8 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> anyhow::Result<()> {
     write_atomically(&png, &picture)?;
 
     let umbrage = std::env::args().next().unwrap_or_else(|| "umbrage".into());
-    let (summary, glb_name) = (summary::summary(&bake.report, &written, begin.elapsed()), glb.display());
+    let (summary, glb_name) =
+        (summary::summary(&bake.report, &Fluxes::new(&scene), &written, begin.elapsed()), glb.display());
     output.say(&format!(
         "{summary}\
          Wrote {glb_name} ({}), for any glTF viewer\n\

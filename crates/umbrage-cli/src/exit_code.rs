@@ -7,6 +7,8 @@ pub(crate) enum ExitCode {
     Success,
     /// Input that cannot be read or baked, output that cannot be written.
     Failed,
+    /// A bake is not as good as was asked.
+    NotGoodEnough,
     /// Ctrl-C; 128 + the number of the signal, as shells have it.
     Interrupted,
 }
@@ -16,6 +18,7 @@ impl From<ExitCode> for i32 {
         match code {
             ExitCode::Success => 0,
             ExitCode::Failed => 1,
+            ExitCode::NotGoodEnough => 3,
             ExitCode::Interrupted => 130,
         }
     }

@@ -5,16 +5,16 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use glam::DVec3;
-use umbrage::geometry::polygon;
 use umbrage::id::{MaterialId, SurfaceId};
 use umbrage::prepare::{self, Prepared};
 use umbrage::progress::Progress;
 use umbrage::scene::{Rgb, Scene, SceneError};
 
+use crate::light;
 use crate::output::{Output, answer, warning};
 use crate::progress::Bar;
 use crate::scene_file::{SceneArgs, Unit};
-use crate::summary::{self, count, grouped};
+use crate::summary::{self, count, grouped, rgb, rounded};
 
 /// Tell what is in a scene: polygons, area, materials, what gives light and how much, gaps and defects
 #[derive(Debug, Args)]
@@ -44,22 +44,6 @@ pub(crate) fn run(args: &InfoArgs, output: Output) -> anyhow::Result<()> {
         }
     }
     answer(&text)
-}
-
-/// Area of the polygons of a material that can be measured, in square metres; a double-sided one counts once.
-fn area_m2(scene: &Scene, material: MaterialId) -> f64 {
-    let areas = scene.surfaces.iter_enumerated().filter(|(_, s)| s.material == material).map(|(id, surface)| {
-        let sound = |&n: &usize| surface.polygons[n].iter().all(|&i| (i as usize) < surface.positions_m.len());
-        let area = |n| polygon::area_m2(&scene.corners_m(id, n).collect::<Vec<DVec3>>());
-        (0..surface.polygons.len()).filter(sound).map(area).sum::<f64>()
-    });
-    areas.sum()
-}
-
-/// Flux that an area of a material gives, in watts.
-fn flux_w(scene: &Scene, material: MaterialId, area_m2: f64) -> Rgb {
-    let sides = if scene.materials[material].double_sided { 2.0 } else { 1.0 };
-    sides * area_m2 * scene.materials[material].exitance()
 }
 
 /// The least and the greatest corner of all polygons, in metres.
@@ -114,7 +98,7 @@ fn describe(scene: &Scene, unit: Unit) -> String {
     let mut text = String::new();
     let mut line = |name: &str, value: String| line(&mut text, name, &value);
     let materials: Vec<(MaterialId, f64)> =
-        (0..scene.materials.len()).map(MaterialId::from).map(|id| (id, area_m2(scene, id))).collect();
+        (0..scene.materials.len()).map(MaterialId::from).map(|id| (id, light::area_m2(scene, id))).collect();
     line("scene", scene.name.clone());
     line("nodes", grouped(scene.nodes.len()));
     line("surfaces", grouped(scene.surfaces.len()));
@@ -147,28 +131,18 @@ fn describe(scene: &Scene, unit: Unit) -> String {
     let lights: Vec<(MaterialId, f64)> =
         materials.into_iter().filter(|&(id, area)| scene.materials[id].emits() && area > 0.0).collect();
     line("emitters", if lights.is_empty() { "none".into() } else { "flux of each in W (red, green, blue)".into() });
-    let mut total = Rgb::ZERO;
     for (id, area) in lights {
-        let flux = flux_w(scene, id, area);
-        total += flux;
-        line("", format!("{:?}: {}", scene.materials[id].name, rgb(flux)));
+        line("", format!("{:?}: {}", scene.materials[id].name, rgb(light::flux_w(scene, id, area))));
     }
-    if total != Rgb::ZERO {
-        line("", format!("total: {}", rgb(total)));
+    if !scene.lamps.is_empty() {
+        line("lamps", "flux of each in W (red, green, blue)".into());
+        scene.lamps.iter().for_each(|lamp| line("", light::describe_lamp(lamp)));
+    }
+    let fluxes = light::Fluxes::new(scene);
+    if fluxes.surfaces_w != Rgb::ZERO || fluxes.lamps_w != Rgb::ZERO {
+        line("", format!("total: {}", fluxes.describe()));
     }
     text
-}
-
-/// A colour, or a quantity at red, green and blue.
-fn rgb(color: Rgb) -> String {
-    color.to_array().map(rounded).join(" ")
-}
-
-/// A number with four digits that count.
-fn rounded(x: f64) -> String {
-    let decimals = if x == 0.0 || !x.is_finite() { 0 } else { (3 - x.abs().log10().floor() as i32).clamp(0, 9) };
-    let text = format!("{x:.*}", decimals as usize);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
 }
 
 #[cfg(test)]
@@ -178,29 +152,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_short() {
-        assert_eq!(
-            [0.0, 0.5, 123_456.0, 1.234_56, -0.000_123_45].map(rounded),
-            ["0", "0.5", "123456", "1.235", "-0.0001234"]
-        );
-    }
-
-    #[test]
     fn the_cornell_box_is_described() {
         let text = describe(&cornell_box(), Unit::M);
         // 0.13 x 0.105 m of light; pi x 18.387 x 0.01365 = 0.7885 W of red.
         for expected in ["polygons    20", "total: 0.7885 0.5998 0.2896", "0.01365 m2", "0.556 x 0.5488 x 0.5592 m"] {
             assert!(text.contains(expected), "{expected} is not in\n{text}");
         }
-    }
-
-    #[test]
-    fn a_double_sided_light_gives_twice_the_flux() {
-        let mut scene = cornell_box();
-        let light = MaterialId::from(3);
-        let one = flux_w(&scene, light, 1.0);
-        scene.materials[light].double_sided = true;
-        assert_eq!(flux_w(&scene, light, 1.0), 2.0 * one);
     }
 
     #[test]

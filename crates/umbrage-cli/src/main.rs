@@ -9,8 +9,10 @@
 mod bake;
 mod demo;
 mod exit_code;
+mod form_factor;
 mod info;
 mod interrupt;
+mod light;
 mod memory;
 mod method;
 mod output;
@@ -20,6 +22,7 @@ mod render;
 mod scene_file;
 mod shown;
 mod summary;
+mod verify;
 
 use std::process;
 
@@ -47,7 +50,8 @@ Examples:
   umbrage render baked.glb -o baked.png  a picture of the result
   umbrage page baked.glb -o room.html    the result as a web page in one file
 
-Exit codes: 0 done, 1 failed (the message says why), 2 wrong usage, 130 interrupted (Ctrl-C).
+Exit codes: 0 done, 1 failed (the message says why), 2 wrong usage, 3 not as good as asked \
+(verify), 130 interrupted (Ctrl-C).
 `umbrage help COMMAND` tells more about a command.";
 
 #[derive(Debug, Parser)]
@@ -82,6 +86,8 @@ enum Command {
     Render(render::RenderArgs),
     Page(page::PageArgs),
     Info(info::InfoArgs),
+    FormFactor(form_factor::FormFactorArgs),
+    Verify(verify::VerifyArgs),
 }
 
 fn main() {
@@ -97,7 +103,7 @@ fn main() {
         Err(error) if output::is_closed_pipe(&error) => ExitCode::Success,
         Err(error) => {
             output::error_chain(&error);
-            ExitCode::Failed
+            if error.is::<verify::NotGoodEnough>() { ExitCode::NotGoodEnough } else { ExitCode::Failed }
         }
     };
     process::exit(code.into());
@@ -118,6 +124,8 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Render(args) => render::run(args, output),
         Command::Page(args) => page::run(args, output),
         Command::Info(args) => info::run(args, output),
+        Command::FormFactor(args) => form_factor::run(args, output),
+        Command::Verify(args) => verify::run(args, output),
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! Nothing is drawn where standard error is no terminal, with `--quiet`, or while a log runs there.
 
+use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
@@ -17,7 +18,25 @@ const UNCOUNTED: &str = "{msg:>14} {spinner} {human_pos}  {elapsed}";
 /// A progress bar, and the stage that it shows.
 pub(crate) struct Bar {
     bar: ProgressBar,
-    shown: Mutex<Option<(Stage, u64)>>,
+    shown: Mutex<Option<(Running, u64)>>,
+}
+
+/// What runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Running {
+    /// A stage of a bake.
+    Stage(Stage),
+    /// Something else, by name.
+    Other(&'static str),
+}
+
+impl fmt::Display for Running {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stage(stage) => stage.fmt(f),
+            Self::Other(name) => f.write_str(name),
+        }
+    }
 }
 
 impl Bar {
@@ -30,6 +49,15 @@ impl Bar {
 
     /// Shows an update, and asks to stop after Ctrl-C. Called from many threads, often.
     pub(crate) fn update(&self, update: Update) -> ControlFlow<()> {
+        self.show(Running::Stage(update.stage), update.done, update.total)
+    }
+
+    /// The same for what is no stage of a bake.
+    pub(crate) fn step(&self, name: &'static str, done: usize, total: usize) -> ControlFlow<()> {
+        self.show(Running::Other(name), done as u64, total as u64)
+    }
+
+    fn show(&self, running: Running, done: u64, total: u64) -> ControlFlow<()> {
         if interrupt::was_interrupted() {
             return ControlFlow::Break(());
         }
@@ -37,28 +65,28 @@ impl Bar {
         if !self.bar.is_hidden()
             && let Ok(mut shown) = self.shown.try_lock()
         {
-            let stage = Some((update.stage, update.total));
-            if *shown != stage {
-                self.start(update, shown.is_none_or(|(stage, _)| stage != update.stage));
-                *shown = stage;
+            let now = Some((running, total));
+            if *shown != now {
+                self.start(running, done, total, shown.is_none_or(|(before, _)| before != running));
+                *shown = now;
             }
-            self.bar.set_position(update.done);
+            self.bar.set_position(done);
         }
         ControlFlow::Continue(())
     }
 
-    fn start(&self, update: Update, new_stage: bool) {
-        let template = if update.total > 0 { COUNTED } else { UNCOUNTED };
+    fn start(&self, running: Running, done: u64, total: u64, is_new: bool) {
+        let template = if total > 0 { COUNTED } else { UNCOUNTED };
         // Without its style a bar is less pretty, but tells the same.
         if let Ok(style) = ProgressStyle::with_template(template) {
             self.bar.set_style(style.progress_chars("=> "));
         }
-        if new_stage {
+        if is_new {
             self.bar.reset();
         }
-        self.bar.set_position(update.done);
-        self.bar.set_length(update.total);
-        self.bar.set_message(update.stage.to_string());
+        self.bar.set_position(done);
+        self.bar.set_length(total);
+        self.bar.set_message(running.to_string());
     }
 
     /// Removes the bar.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use clap::{Args, ValueEnum};
 use umbrage::scene::Scene;
-use umbrage_formats::{MaterialColour, Overrides, ReadOptions, UpAxis, read_scene_with};
+use umbrage_formats::{LampUnits, MaterialColour, Overrides, ReadOptions, UpAxis, read_scene_with};
 
 use crate::output;
 
@@ -28,6 +28,9 @@ pub(crate) struct SceneArgs {
     /// The axis of the file that points up
     #[arg(long, value_enum, default_value_t)]
     up_axis: Up,
+    /// What the brightness of lamps (points, spots, suns) is in, beside that of surfaces that emit
+    #[arg(long, value_enum, default_value_t)]
+    lamp_units: Lamps,
 }
 
 /// A unit of length.
@@ -59,6 +62,16 @@ impl Unit {
     }
 }
 
+/// What lamps are in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Lamps {
+    /// The same as surfaces: photometric both, or radiometric both
+    #[default]
+    Same,
+    /// Lumens, and surfaces watts, as Blender writes them: lamps are divided by 683
+    Lumens,
+}
+
 /// The axis that points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Up {
@@ -81,7 +94,12 @@ impl SceneArgs {
             Up::Y => UpAxis::Y,
             Up::Z => UpAxis::Z,
         };
-        let options = ReadOptions { max_reflectance, unit_m: self.unit.metres(), up, ..ReadOptions::default() };
+        let lamp_units = match self.lamp_units {
+            Lamps::Same => LampUnits::Same,
+            Lamps::Lumens => LampUnits::Lumens,
+        };
+        let unit_m = self.unit.metres();
+        let options = ReadOptions { max_reflectance, unit_m, up, lamp_units, ..ReadOptions::default() };
         let (mut scene, mut warnings) = read_scene_with(path, &options)?;
         warnings.extend(self.overrides(path)?.apply(&mut scene, max_reflectance)?);
         for warning in &warnings {

@@ -5,17 +5,20 @@ use std::time::Duration;
 
 use umbrage::bake::Report;
 use umbrage::prepare::PrepareReport;
+use umbrage::scene::Rgb;
 use umbrage_formats::Written;
 
+use crate::light::Fluxes;
 use crate::memory;
 
 /// The summary of a bake that took `elapsed` with reading and writing.
-pub(crate) fn summary(report: &Report, written: &Written, elapsed: Duration) -> String {
+pub(crate) fn summary(report: &Report, fluxes: &Fluxes, written: &Written, elapsed: Duration) -> String {
     let mut text = format!("Baked in {}\n", seconds(elapsed.as_secs_f64()));
     let mut line = |name: &str, value: String| {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "  {name:<12}  {value}");
     };
+    line("light", format!("{} W (red, green, blue)", fluxes.describe()));
     let [d0, d1, d2] = report.d_segments.map(grouped);
     line("polygons", grouped(report.prepare.polygons));
     line("faces", grouped(report.faces));
@@ -107,9 +110,29 @@ pub(crate) fn bytes(n: u64) -> String {
     if unit == "B" || size >= 100.0 { format!("{size:.0} {unit}") } else { format!("{size:.1} {unit}") }
 }
 
+/// A colour, or a quantity at red, green and blue.
+pub(crate) fn rgb(color: Rgb) -> String {
+    color.to_array().map(rounded).join(" ")
+}
+
+/// A number with four digits that count.
+pub(crate) fn rounded(x: f64) -> String {
+    let decimals = if x == 0.0 || !x.is_finite() { 0 } else { (3 - x.abs().log10().floor() as i32).clamp(0, 9) };
+    let text = format!("{x:.*}", decimals as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(
+            [0.0, 0.5, 123_456.0, 1.234_56, -0.000_123_45].map(rounded),
+            ["0", "0.5", "123456", "1.235", "-0.0001234"]
+        );
+    }
 
     #[test]
     fn numbers_are_told_readably() {

@@ -34,10 +34,10 @@ fn err(output: &Output) -> String {
 fn help_names_every_command_and_shows_how() {
     let help = umbrage(&["--help"]);
     assert_eq!(code(&help), Some(0));
-    for word in ["bake", "demo", "render", "page", "info", "Examples:", "Exit codes:"] {
+    for word in ["bake", "demo", "render", "page", "info", "form-factor", "verify", "Examples:", "Exit codes:"] {
         assert!(out(&help).contains(word), "{word}");
     }
-    for command in ["bake", "demo", "render", "page", "info"] {
+    for command in ["bake", "demo", "render", "page", "info", "form-factor", "verify"] {
         let help = umbrage(&[command, "--help"]);
         assert_eq!(code(&help), Some(0), "{command}");
         assert!(out(&help).contains("Usage: umbrage"), "{command}");
@@ -247,4 +247,52 @@ fn materials_and_units_are_said_beside_the_file() {
     let done = umbrage(&["bake", &scene, "-o", &baked, "--unit", "mm"]);
     assert_eq!(code(&done), Some(0), "{}", err(&done));
     assert!(Path::new(&baked).exists());
+}
+
+fn scene(name: &str) -> String {
+    format!("{}/../../testdata/scenes/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn form_factors_are_a_table() {
+    let factor = |line: &str| line.split(',').nth(3).unwrap().parse::<f64>().unwrap();
+    for (name, truth) in [("vf_parallel", 0.1998248957), ("vf_perp", 0.2000437761)] {
+        let told = umbrage(&["form-factor", &scene(&format!("{name}.glb")), "--by", "material", "--from", "a"]);
+        assert_eq!(code(&told), Some(0), "{}", err(&told));
+        let text = out(&told);
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[0].starts_with("receiver,receiver_area_m2,source,factor,error_bound"), "{text}");
+        assert!(lines.len() == 3 && lines[1].starts_with("a,1,b,") && lines[2].starts_with("a,1,(sum),"), "{text}");
+        assert!((factor(lines[1]) - truth).abs() < 1e-9, "{text}");
+    }
+    let path = folder("factors").join("furnace.csv").display().to_string();
+    let done = umbrage(&["form-factor", &scene("furnace.glb"), "--by", "face", "-o", &path]);
+    assert!(out(&done).contains("30 form factors between 6 faces"), "{} {}", out(&done), err(&done));
+    let table = fs::read_to_string(&path).unwrap();
+    let sums: Vec<f64> = table.lines().filter(|line| line.contains(",(sum),")).map(factor).collect();
+    assert!(sums.len() == 6 && sums.iter().all(|sum| (sum - 1.0).abs() < 1e-9), "{table}");
+    let refused = umbrage(&["form-factor", &scene("furnace.glb"), "--from", "sofa"]);
+    assert_eq!(code(&refused), Some(1));
+    assert!(err(&refused).contains("\"sofa\"") && err(&refused).contains("--by"), "{}", err(&refused));
+}
+
+#[test]
+fn a_bake_is_verified_and_one_of_another_scene_is_not() {
+    let baked = folder("verified").join("baked.glb").display().to_string();
+    assert_eq!(code(&umbrage(&["bake", &scene("occluder.glb"), "-o", &baked])), Some(0));
+    let few = ["--points", "200", "--paths", "128"];
+    let verify = |more: &[&str]| umbrage(&[&["verify", &scene("occluder.glb"), &baked], &few[..], more].concat());
+    let good = verify(&["--max-error", "0.05"]);
+    assert_eq!(code(&good), Some(0), "{}{}", out(&good), err(&good));
+    for word in ["error", "bias", "noise", "estimate", "leaks         none", "worst", "W/m2 baked"] {
+        assert!(out(&good).contains(word), "{word} is not in\n{}", out(&good));
+    }
+    assert_eq!(err(&good), "");
+    let coarse = ["bake", &scene("occluder.glb"), "-o", &baked, "--tolerance", "none", "--no-discontinuities"];
+    assert_eq!(code(&umbrage(&coarse)), Some(0));
+    let bad = verify(&["--max-error", "0.05"]);
+    assert_eq!(code(&bad), Some(3), "{}{}", out(&bad), err(&bad));
+    assert!(err(&bad).contains("should be at most 5.000 %"), "{}", err(&bad));
+    let other = umbrage(&[&["verify", &scene("touching.glb"), &baked], &few[..]].concat());
+    assert!(out(&other).contains("uncovered") || code(&other) == Some(1), "{}{}", out(&other), err(&other));
 }

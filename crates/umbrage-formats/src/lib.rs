@@ -28,5 +28,7 @@ pub use baked_file::{BakedCamera, BakedEmission, BakedFile, BakedFilePart, Baked
 pub use error::FormatError;
 pub use gltf::{BakeFacts, Written, baked_glb_bytes, write_baked_glb};
 pub use overrides::{MaterialColour, Overrides};
-pub use read::{ReadOptions, UpAxis, read_baked, read_baked_bytes, read_scene, read_scene_bytes, read_scene_with};
+pub use read::{
+    LampUnits, ReadOptions, UpAxis, read_baked, read_baked_bytes, read_scene, read_scene_bytes, read_scene_with,
+};
 pub use warning::Warning;

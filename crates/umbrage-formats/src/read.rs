@@ -20,6 +20,19 @@ pub struct ReadOptions {
     pub up: UpAxis,
     /// Chords of a full circle, where a format has curved shapes: 24 are off by 0.9 % of the radius at most.
     pub circle_segments: usize,
+    /// What the brightness of lamps is given in, beside that of surfaces.
+    pub lamp_units: LampUnits,
+}
+
+/// What the brightness of lamps is given in, beside that of surfaces that emit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LampUnits {
+    /// The same as that of surfaces: both are photometric (cd and cd/m2, as glTF says), or both are radiometric.
+    #[default]
+    Same,
+    /// Lamps are photometric (candela, lux) and surfaces radiometric (W/(m2 sr)), as Blender writes them: lamps are divided by
+    /// 683 lm/W.
+    Lumens,
 }
 
 /// The axis of a file that points up.
@@ -34,7 +47,7 @@ pub enum UpAxis {
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { max_reflectance: 0.9, unit_m: 1.0, up: UpAxis::Y, circle_segments: 24 }
+        Self { max_reflectance: 0.9, unit_m: 1.0, up: UpAxis::Y, circle_segments: 24, lamp_units: LampUnits::Same }
     }
 }
 
@@ -125,13 +138,16 @@ fn to_metres(path: &Path, scene: &mut Scene, options: &ReadOptions) -> Result<()
     if options.unit_m == 1.0 && options.up == UpAxis::Y {
         return Ok(());
     }
+    let upright = |p: DVec3| match options.up {
+        UpAxis::Y => p,
+        UpAxis::Z => DVec3::new(p.x, p.z, -p.y),
+    };
+    for lamp in &mut scene.lamps {
+        *lamp = lamp.clone().moved(|p| options.unit_m * upright(p), upright, options.unit_m);
+    }
     for surface in &mut scene.surfaces {
         for p in &mut surface.positions_m {
-            let upright = match options.up {
-                UpAxis::Y => *p,
-                UpAxis::Z => DVec3::new(p.x, p.z, -p.y),
-            };
-            *p = options.unit_m * upright;
+            *p = options.unit_m * upright(*p);
             if !p.is_finite() {
                 let (file, place) = (path.display().to_string(), "a corner, in metres".to_owned());
                 return Err(FormatError::NotFinite { file, place, value: p.to_string() });

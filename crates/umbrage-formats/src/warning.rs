@@ -54,10 +54,11 @@ pub enum Warning {
         /// How many primitives.
         primitives: usize,
     },
-    /// Punctual lights (`KHR_lights_punctual`): left out; only surfaces give light.
-    PunctualLightsIgnored {
-        /// How many nodes.
-        nodes: usize,
+    /// Lamps (`KHR_lights_punctual`) in a file by Blender, which multiplies them by 683 lm/W and does not multiply surfaces that
+    /// emit: taken as they stand.
+    LampsFromBlender {
+        /// How many lamps.
+        lamps: usize,
     },
     /// Animations: the scene was taken as the nodes stand.
     AnimationsIgnored {
@@ -183,9 +184,12 @@ impl fmt::Display for Warning {
             Self::MorphTargetsIgnored { primitives } => {
                 write!(f, "morph targets ignored in {}", count(*primitives, "primitive"))
             }
-            Self::PunctualLightsIgnored { nodes } => {
-                write!(f, "{} ignored: only surfaces give light", count(*nodes, "punctual light"))
-            }
+            Self::LampsFromBlender { lamps } => write!(
+                f,
+                "{} perhaps 683 times too bright beside the surfaces that emit: Blender multiplies lamps alone by 683 lm/W; \
+                 --lamp-units lumens takes that off",
+                count(*lamps, "lamp")
+            ),
             Self::AnimationsIgnored { animations } => {
                 write!(f, "{} ignored: nodes taken as they stand", count(*animations, "animation"))
             }

@@ -6,8 +6,8 @@ use common::{Build, polygons, scene_path};
 use glam::DVec3;
 use serde_json::json;
 use umbrage::scene::cornell::cornell_box;
-use umbrage::scene::{Rgb, Scene};
-use umbrage_formats::{ReadOptions, Warning, read_scene, read_scene_with};
+use umbrage::scene::{LampKind, Rgb, Scene};
+use umbrage_formats::{LampUnits, ReadOptions, UpAxis, Warning, read_scene, read_scene_bytes, read_scene_with};
 
 fn vector_area(corners: &[[f64; 3]]) -> DVec3 {
     let p: Vec<DVec3> = corners.iter().map(|&c| DVec3::from(c)).collect();
@@ -274,7 +274,6 @@ fn what_is_not_used_is_counted() {
     build.json["meshes"][0]["primitives"][0]["material"] = json!(0);
     build.json["meshes"][0]["primitives"][0]["targets"] = json!([{}]);
     build.json["nodes"][0]["skin"] = json!(0);
-    build.json["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
     build.json["animations"] = json!([{}, {}]);
     build.list("nodes").push(json!({"mesh": 0}));
     let (scene, warnings) = build.read().unwrap();
@@ -285,7 +284,6 @@ fn what_is_not_used_is_counted() {
         Warning::AlphaIgnored { materials: 1 },
         Warning::MorphTargetsIgnored { primitives: 1 },
         Warning::SkinsAtRest { nodes: 1 },
-        Warning::PunctualLightsIgnored { nodes: 1 },
         Warning::AnimationsIgnored { animations: 2 },
         Warning::NodesOutsideScene { nodes: 1 },
         unknown("FOO_bar", true),
@@ -294,7 +292,7 @@ fn what_is_not_used_is_counted() {
         assert!(warnings.contains(&expected), "{expected:?} not in {warnings:?}");
         assert!(!expected.to_string().is_empty());
     }
-    assert_eq!(warnings.len(), 9);
+    assert_eq!(warnings.len(), 8);
 }
 
 #[test]
@@ -373,4 +371,95 @@ fn buffers_beside_the_file_and_embedded() {
         let (scene, _) = read_scene(&path).unwrap();
         assert_eq!(polygons(&scene), [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]], "{uri}");
     }
+}
+
+/// A triangle and three lamps: a point, a spot that hangs in a turned, moved and scaled node, a sun.
+fn with_lamps() -> Build {
+    let mut build = Build::triangle();
+    build.json["materials"] = json!([{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.5, 1]}}]);
+    build.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    build.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
+        {"type": "point", "name": "bulb", "intensity": 683.0, "color": [1.0, 0.5, 0.0], "range": 7.0},
+        {"type": "spot", "intensity": 2.0, "spot": {"innerConeAngle": 0.25, "outerConeAngle": 0.5}},
+        {"type": "directional"},
+    ]}});
+    let lamp = |number: usize| json!({"KHR_lights_punctual": {"light": number}});
+    // A quarter turn about x takes -z to +y.
+    let half = 0.5_f64.sqrt();
+    build.list("nodes").extend([
+        json!({"translation": [1, 2, 3], "extensions": lamp(0)}),
+        json!({"translation": [0, 1, 0], "scale": [2, 2, 2], "children": [3]}),
+        json!({"name": "hanging", "translation": [0, 0, 1], "rotation": [half, 0, 0, half], "extensions": lamp(1)}),
+        json!({"name": "sun", "extensions": lamp(2)}),
+    ]);
+    build.json["scenes"][0]["nodes"] = json!([0, 1, 2, 4]);
+    build
+}
+
+#[test]
+fn lamps_stand_where_their_nodes_do_and_shine_along_minus_z() {
+    let (scene, warnings) = with_lamps().read().unwrap();
+    assert_eq!(warnings, []);
+    assert_eq!(scene.lamps.iter().map(|lamp| lamp.name.as_str()).collect::<Vec<_>>(), ["bulb", "hanging", "sun"]);
+    let point = LampKind::Point {
+        position_m: DVec3::new(1.0, 2.0, 3.0),
+        intensity: Rgb::new(683.0, 341.5, 0.0),
+        range_m: Some(7.0),
+    };
+    assert_eq!(scene.lamps.raw[0].kind, point);
+    let LampKind::Spot { position_m, direction, intensity, range_m, inner_rad, outer_rad } = scene.lamps.raw[1].kind
+    else {
+        panic!("{:?}", scene.lamps.raw[1])
+    };
+    assert_eq!((position_m, intensity, range_m), (DVec3::new(0.0, 1.0, 2.0), Rgb::splat(2.0), None));
+    assert!(direction.distance(DVec3::Y) < 1e-12 && (inner_rad, outer_rad) == (0.25, 0.5), "{direction}");
+    assert_eq!(scene.lamps.raw[2].kind, LampKind::Directional { direction: DVec3::NEG_Z, irradiance: Rgb::ONE });
+    // A lamp is light enough for a bake.
+    assert_eq!(scene.validate(), Ok(()));
+}
+
+#[test]
+fn lamps_take_units_and_axes_of_the_file() {
+    let options = ReadOptions { unit_m: 0.001, up: UpAxis::Z, lamp_units: LampUnits::Lumens, ..ReadOptions::default() };
+    let (scene, _) = read_scene_bytes("test.glb", with_lamps().glb(), &options).unwrap();
+    let LampKind::Point { position_m, intensity, range_m } = scene.lamps.raw[0].kind else { panic!() };
+    assert!(position_m.distance(DVec3::new(0.001, 0.003, -0.002)) < 1e-15, "{position_m}");
+    assert!((intensity - Rgb::new(1.0, 0.5, 0.0)).abs().max_element() < 1e-12 && range_m == Some(0.007));
+    let LampKind::Directional { direction, .. } = scene.lamps.raw[2].kind else { panic!() };
+    assert_eq!(direction, DVec3::NEG_Y);
+}
+
+#[test]
+fn blenders_factor_is_told_where_it_matters() {
+    let mut build = with_lamps();
+    build.json["asset"]["generator"] = json!("Khronos glTF Blender I/O v4.3.47");
+    assert_eq!(build.read().unwrap().1, []);
+    build.json["materials"][0]["emissiveFactor"] = json!([1, 1, 1]);
+    let warnings = build.read().unwrap().1;
+    assert!(warnings.contains(&Warning::LampsFromBlender { lamps: 3 }), "{warnings:?}");
+    let options = ReadOptions { lamp_units: LampUnits::Lumens, ..ReadOptions::default() };
+    let warnings = read_scene_bytes("test.glb", build.glb(), &options).unwrap().1;
+    assert!(!warnings.contains(&Warning::LampsFromBlender { lamps: 3 }), "{warnings:?}");
+}
+
+#[test]
+fn bad_lamps_are_refused_by_place() {
+    let refused = |light: serde_json::Value| {
+        let mut build = with_lamps();
+        build.json["extensions"]["KHR_lights_punctual"]["lights"][0] = light;
+        build.message()
+    };
+    for (light, words) in [
+        (json!({"type": "area"}), "should be point, spot or directional"),
+        (json!({}), "type: is missing"),
+        (json!({"type": "point", "intensity": -1}), "should not be negative"),
+        (json!({"type": "point", "range": 0}), "should be above 0"),
+        (json!({"type": "spot", "spot": {"innerConeAngle": 0.8}}), "inner < outer"),
+    ] {
+        let message = refused(light);
+        assert!(message.contains("light 0") && message.contains(words), "{message}");
+    }
+    let mut build = with_lamps();
+    build.json["nodes"][1]["extensions"]["KHR_lights_punctual"]["light"] = json!(9);
+    assert!(build.message().contains("node 1, light: refers to number 9, but there are only 3"), "{}", build.message());
 }

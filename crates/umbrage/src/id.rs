@@ -37,6 +37,8 @@ macro_rules! typed_id {
 typed_id! {
     /// A material of the scene.
     MaterialId,
+    /// A lamp of the scene.
+    LampId,
     /// A node of the scene's hierarchy.
     NodeId,
     /// A surface of the scene: the polygons of one material under one node.

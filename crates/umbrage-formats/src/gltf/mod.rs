@@ -14,6 +14,7 @@ mod container;
 mod document;
 mod exposure;
 mod item;
+mod lamp;
 mod material;
 mod node;
 mod primitive;

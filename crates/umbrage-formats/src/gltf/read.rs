@@ -14,10 +14,10 @@ use super::document::{Document, List};
 use super::item::Item;
 use super::node::{self, Placed};
 use super::tally::Tally;
-use super::{material, primitive};
-use crate::{FormatError, ReadOptions, Warning};
+use super::{lamp, material, primitive};
+use crate::{FormatError, LampUnits, ReadOptions, Warning};
 
-/// Extensions that are read, that only concern what has a warning of its own (textures, lights), or that only add gloss
+/// Extensions that are read, that only concern what has a warning of its own (textures), or that only add gloss
 /// to a surface, which is taken as diffuse anyway.
 const KNOWN_EXTENSIONS: [&str; 21] = [
     "EXT_mesh_gpu_instancing",
@@ -66,6 +66,7 @@ pub(crate) fn read(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> Result
         let parent = node.parent.map(|parent| ids[parent]);
         ids.push(reader.node(node, parent)?);
     }
+    reader.tally.blender_lamps = blender_lamps(&document, &reader.scene, options)?;
     Ok((reader.scene, reader.tally.warnings(options.max_reflectance)))
 }
 
@@ -86,7 +87,9 @@ impl Reader<'_> {
     fn node(&mut self, placed: &Placed<'_>, parent: Option<NodeId>) -> Result<NodeId, FormatError> {
         let item = &placed.item;
         self.tally.skinned_nodes += usize::from(item.get("skin").is_some());
-        self.tally.punctual_lights += usize::from(item.extension("KHR_lights_punctual")?.is_some());
+        if let Some(lamp) = lamp::of_node(self.document, item, &placed.world, self.options.lamp_units)? {
+            self.scene.lamps.push(lamp);
+        }
         let mesh = match item.whole("mesh")? {
             Some(mesh) => Some(self.document.item(List::Meshes, mesh, &item.place)?),
             None => None,
@@ -184,6 +187,15 @@ impl Reader<'_> {
             self.scene.materials.push_and_get_key(material)
         })
     }
+}
+
+/// How many lamps are too bright by Blender's factor beside the surfaces that emit.
+fn blender_lamps(document: &Document, scene: &Scene, options: &ReadOptions) -> Result<usize, FormatError> {
+    let asset = document.root()?.child("asset")?;
+    let generator = asset.as_ref().map(|asset| asset.text("generator")).transpose()?.flatten().unwrap_or_default();
+    let beside_surfaces = scene.surfaces.iter().any(|surface| scene.materials[surface.material].emits());
+    let doubtful = options.lamp_units == LampUnits::Same && beside_surfaces && generator.contains("Blender");
+    Ok(if doubtful { scene.lamps.len() } else { 0 })
 }
 
 /// The default scene's name, else the file's without its ending.

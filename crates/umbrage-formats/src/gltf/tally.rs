@@ -22,7 +22,8 @@ pub(super) struct Tally {
     pub(super) blended_polygons: usize,
     pub(super) skinned_nodes: usize,
     pub(super) morphed_primitives: usize,
-    pub(super) punctual_lights: usize,
+    /// Lamps whose unit is doubtful beside surfaces that emit.
+    pub(super) blender_lamps: usize,
     pub(super) animations: usize,
     pub(super) nodes_outside: usize,
     /// Name, and whether it is required.
@@ -59,7 +60,7 @@ impl Tally {
         warn(self.blended_polygons, |polygons| Warning::TransparentLeftOut { polygons });
         warn(self.skinned_nodes, |nodes| Warning::SkinsAtRest { nodes });
         warn(self.morphed_primitives, |primitives| Warning::MorphTargetsIgnored { primitives });
-        warn(self.punctual_lights, |nodes| Warning::PunctualLightsIgnored { nodes });
+        warn(self.blender_lamps, |lamps| Warning::LampsFromBlender { lamps });
         warn(self.animations, |animations| Warning::AnimationsIgnored { animations });
         warn(self.nodes_outside, |nodes| Warning::NodesOutsideScene { nodes });
         if self.capped_materials > 0 {

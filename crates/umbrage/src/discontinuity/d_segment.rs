@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 
-use crate::id::{EdgeId, EmitterId, FaceId, VertexId};
+use crate::id::{EdgeId, EmitterId, FaceId, LampId, VertexId};
 
 /// Which derivative of the radiosity function jumps across a d-segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Degree {
-    /// The value: a contact of two surfaces.
+    /// The value: a contact of two surfaces, or the shadow of a lamp without extent.
     D0,
     /// The slope: an occluder edge coplanar with a source edge, or the source's own plane.
     D1,
@@ -65,6 +65,13 @@ pub enum Event {
         source: EdgeId,
         /// Vertex of the occluder.
         occluder: VertexId,
+    },
+    /// An occluder edge before a lamp without extent.
+    LampEdge {
+        /// The lamp.
+        lamp: LampId,
+        /// Edge of the occluder.
+        occluder: EdgeId,
     },
 }
 

@@ -1,7 +1,7 @@
 //! Finds all d-segments of a scene: the preprocessing step of the meshing algorithm (paper, section 4).
 //!
 //! For every emitter: its plane, VE of its corners with every occluder edge, EV of its outline with every occluder
-//! vertex. Then contacts. Events are traced in parallel, and gathered in the order of their features.
+//! vertex. For every lamp: its shadow of every occluder edge. Then contacts. Events are traced in parallel, and gathered in the order of their features.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -10,10 +10,10 @@ use rayon::prelude::*;
 use super::event::Surroundings;
 use super::silhouette::OccluderEdges;
 use super::{DSegment, Emitter, contact, emitter, merge};
-use crate::id::{DSegmentId, EdgeId, EmitterId, FaceId, Table, VertexId};
+use crate::id::{DSegmentId, EdgeId, EmitterId, FaceId, LampId, Table, VertexId};
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress, Stage};
-use crate::scene::Scene;
+use crate::scene::{Lamp, Scene};
 use crate::visibility::Visibility;
 
 /// Events traced between two reports of progress.
@@ -43,6 +43,7 @@ enum Pair {
     Plane(EmitterId),
     VertexEdge(EmitterId, VertexId, usize),
     EdgeVertex(EmitterId, EdgeId, VertexId),
+    LampEdge(LampId, usize),
 }
 
 /// Calculates all discontinuity segments.
@@ -59,7 +60,12 @@ pub fn find(
     let occluders = OccluderEdges::new(prepared);
     let receives = |face: FaceId| !scene.materials[prepared.faces[face].material].emits();
     let around = Surroundings { prepared, visibility, occluders: &occluders, receives: &receives };
-    let pairs = pairs(&emitters, &occluders);
+    let in_frame = |lamp: &Lamp| lamp.clone().moved(|p| p - prepared.origin_m, |d| d, 1.0);
+    let lamps: Table<LampId, Lamp> = scene.lamps.iter().map(in_frame).collect();
+    let mut pairs = pairs(&emitters, &occluders);
+    for lamp in lamps.keys() {
+        pairs.extend((0..occluders.edges.len()).map(|number| Pair::LampEdge(lamp, number)));
+    }
     let traced = AtomicUsize::new(0);
     let segments: Vec<Vec<DSegment>> = pairs
         .par_iter()
@@ -74,6 +80,7 @@ pub fn find(
                     around.vertex_edge(id, &emitters[id], corner, &occluders.edges[number])
                 }
                 Pair::EdgeVertex(id, source, vertex) => around.edge_vertex(id, &emitters[id], source, vertex),
+                Pair::LampEdge(id, number) => around.lamp_edge(id, &lamps[id], &occluders.edges[number]),
             })
         })
         .collect::<Result<_, Cancelled>>()?;
@@ -247,6 +254,43 @@ mod tests {
             assert!((segment.length_m() - 4.0).abs() < 1e-5, "{segment:?}");
             assert_eq!(segment.degree, Degree::D1);
         }
+    }
+
+    #[test]
+    fn lamps_cast_shadows_of_degree_0_where_they_fall() {
+        use crate::scene::LampKind;
+        let polygons = [floor(), square(DVec3::Z, 0.5, 0.0, true)];
+        let prepared = fixture::prepared(&polygons);
+        let visibility = Visibility::new(&prepared);
+        let cast = |kind: LampKind| {
+            let mut scene = fixture::scene(vec![Material::diffuse("grey", Rgb::splat(0.5))]);
+            scene.lamps.push(Lamp { name: String::new(), kind });
+            let found = find(&scene, &prepared, &visibility, Progress::silent()).unwrap();
+            let mut lines: Vec<_> = on_floor(&found)
+                .into_iter()
+                .map(|segment| {
+                    assert_eq!(segment.degree, Degree::D0);
+                    let (x, y, offset) = line(segment);
+                    [x, y, offset, segment.length_m()].map(|v| (v * 1e9).round() / 1e9 + 0.0)
+                })
+                .collect();
+            lines.sort_by(|p, q| p.partial_cmp(q).unwrap());
+            lines
+        };
+        // From twice the plate's height its shadow is twice as large.
+        let point = LampKind::Point { position_m: DVec3::Z * 2.0, intensity: Rgb::ONE, range_m: None };
+        assert_eq!(
+            cast(point),
+            [[0.0, 1.0, -1.0, 2.0], [0.0, 1.0, 1.0, 2.0], [1.0, 0.0, -1.0, 2.0], [1.0, 0.0, 1.0, 2.0]]
+        );
+        // Light that goes 3 to the side while it falls by 4 moves it by 0.75 and leaves its size.
+        let sun = LampKind::Directional { direction: DVec3::new(0.6, 0.0, -0.8), irradiance: Rgb::ONE };
+        assert_eq!(
+            cast(sun),
+            [[0.0, 1.0, -0.5, 1.0], [0.0, 1.0, 0.5, 1.0], [1.0, 0.0, 0.25, 1.0], [1.0, 0.0, 1.25, 1.0]]
+        );
+        // From below the floor's front is dark.
+        assert!(cast(LampKind::Point { position_m: DVec3::NEG_Z, intensity: Rgb::ONE, range_m: None }).is_empty());
     }
 
     #[test]

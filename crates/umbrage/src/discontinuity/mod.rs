@@ -5,6 +5,7 @@ mod d_segment;
 mod emitter;
 mod event;
 mod find;
+mod lamp;
 mod merge;
 mod silhouette;
 mod source_plane;

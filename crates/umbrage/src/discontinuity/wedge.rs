@@ -122,39 +122,53 @@ impl Wedge {
 
     /// The piece of a face in this wedge.
     fn piece(&self, prepared: &Prepared, face: FaceId) -> Option<Piece> {
-        let slack_m = prepared.tolerance.coplanar_m();
-        let corners = prepared.polygon_m(face);
-        let heights_m: Vec<f64> = corners
-            .iter()
-            .map(|&corner| {
-                let height_m = self.plane.signed_distance_m(corner);
-                if height_m.abs() <= slack_m { 0.0 } else { height_m }
-            })
-            .collect();
-        let (mut above, mut below) = (false, false);
-        let mut ends: Vec<DVec3> = Vec::new();
-        for i in 0..corners.len() {
-            let j = (i + 1) % corners.len();
-            above |= heights_m[i] > 0.0;
-            below |= heights_m[i] < 0.0;
-            if heights_m[i] == 0.0 {
-                ends.push(corners[i]);
-            } else if heights_m[i] * heights_m[j] < 0.0 {
-                ends.push(corners[i].lerp(corners[j], heights_m[i] / (heights_m[i] - heights_m[j])));
-            }
-        }
-        let crossing = match (above, below) {
-            (true, true) => Crossing::Through,
-            (true, false) => Crossing::Front,
-            (false, true) => Crossing::Back,
-            // The face lies in the plane: rays only graze along it.
-            (false, false) => return None,
-        };
+        let (crossing, ends) = section(prepared, &self.plane, face)?;
         let ends = ends.iter().map(|&end| self.coefficients(end));
         let first = ends.clone().min_by(|p, q| direction_order(*p).total_cmp(&direction_order(*q)))?;
         let last = ends.max_by(|p, q| direction_order(*p).total_cmp(&direction_order(*q)))?;
         clip_to_wedge([first, last]).map(|(s, nearness)| Piece { face, crossing, s, nearness })
     }
+}
+
+/// Where a plane cuts or touches a face, and the points in which it meets the border; `None` where the face lies in it.
+pub(super) fn section(prepared: &Prepared, plane: &Plane, face: FaceId) -> Option<(Crossing, Vec<DVec3>)> {
+    let slack_m = prepared.tolerance.coplanar_m();
+    let corners = prepared.polygon_m(face);
+    let heights_m: Vec<f64> = corners
+        .iter()
+        .map(|&corner| {
+            let height_m = plane.signed_distance_m(corner);
+            if height_m.abs() <= slack_m { 0.0 } else { height_m }
+        })
+        .collect();
+    let (mut above, mut below) = (false, false);
+    let mut ends: Vec<DVec3> = Vec::new();
+    for i in 0..corners.len() {
+        let j = (i + 1) % corners.len();
+        above |= heights_m[i] > 0.0;
+        below |= heights_m[i] < 0.0;
+        if heights_m[i] == 0.0 {
+            ends.push(corners[i]);
+        } else if heights_m[i] * heights_m[j] < 0.0 {
+            ends.push(corners[i].lerp(corners[j], heights_m[i] / (heights_m[i] - heights_m[j])));
+        }
+    }
+    let crossing = match (above, below) {
+        (true, true) => Crossing::Through,
+        (true, false) => Crossing::Front,
+        (false, true) => Crossing::Back,
+        // The face lies in the plane: rays only graze along it.
+        (false, false) => return None,
+    };
+    Some((crossing, ends))
+}
+
+/// The part of a straight piece, given by direction and nearness of its ends, in ascending order, with directions between 0
+/// and 1: directions and nearness of the ends.
+pub(super) fn clip_directions([first, last]: [(f64, f64); 2]) -> Option<([f64; 2], [f64; 2])> {
+    let s = [first.0.max(0.0), last.0.min(1.0)];
+    let nearness = |s: f64| first.1 + (last.1 - first.1) * (s - first.0) / (last.0 - first.0);
+    (s[1] - s[0] > LEAST_WIDTH).then(|| (s, s.map(nearness)))
 }
 
 /// Orders the ends of a straight piece from the first border ray to the second.

@@ -66,6 +66,9 @@ impl Mesh {
             unreachable!("the ends of a chord are boundary points of {patch:?}")
         };
         self.split_between(patch, from, to, Cut::EdgeHint(hint.d_segment));
+        if hint.degree == Degree::D0 {
+            self.mark_jump(patch);
+        }
         true
     }
 

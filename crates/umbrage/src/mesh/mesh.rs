@@ -4,6 +4,8 @@
 //! faces, and since every leaf reads its boundary down to the leaves of shared edges, they conform: a T-vertex cannot
 //! be made, whatever rounding does to coordinates.
 
+use std::collections::BTreeSet;
+
 use glam::{DVec2, DVec3};
 use smallvec::SmallVec;
 
@@ -36,6 +38,10 @@ pub struct Mesh {
     /// No edge becomes shorter than this, in metres.
     pub(super) least_edge_m: f64,
     pub(super) vertices_m: Table<VertexId, DVec3>,
+    /// Roots of the edges that are cuts of degree 0.
+    jump_roots: BTreeSet<EdgeId>,
+    /// Whether a cut of degree 0 ends at, or passes, a vertex.
+    jump_vertices: Table<VertexId, bool>,
     /// The root of the edge that each vertex split; `None` for those of the prepared faces.
     split_roots: Table<VertexId, Option<EdgeId>>,
     pub(super) edges: EdgeTrees,
@@ -76,6 +82,8 @@ impl Mesh {
             settings,
             least_edge_m: prepared.tolerance.weld_m(),
             vertices_m: prepared.vertices_m.clone(),
+            jump_roots: BTreeSet::new(),
+            jump_vertices: vec![false; prepared.vertices_m.len()].into(),
             split_roots: vec![None; prepared.vertices_m.len()].into(),
             edges,
             patches: Table::with_capacity(prepared.faces.len()),
@@ -135,6 +143,26 @@ impl Mesh {
     /// The root of the edge that a vertex split; `None` for a vertex of the prepared faces.
     pub fn split_root(&self, vertex: VertexId) -> Option<EdgeId> {
         self.split_roots[vertex]
+    }
+
+    /// Whether light may jump across an edge because it is a cut along a d-segment of degree 0.
+    pub fn is_jump(&self, edge: EdgeId) -> bool {
+        self.jump_roots.contains(&self.edges.root(edge))
+    }
+
+    /// Whether such a cut ends at a vertex, or passes it.
+    pub fn is_jump_vertex(&self, vertex: VertexId) -> bool {
+        self.jump_vertices[vertex]
+    }
+
+    /// Marks the cut that split a patch as one across which light may jump.
+    pub(super) fn mark_jump(&mut self, patch: PatchId) {
+        let Some([first, _]) = self.patches[patch].subpatches else { return };
+        let Some(&chord) = self.patches[first].sides.last().and_then(|side| side.first()) else { return };
+        self.jump_roots.insert(self.edges.root(chord.edge));
+        for end in self.edges.ends(chord.edge) {
+            self.jump_vertices[end] = true;
+        }
     }
 
     /// Number of vertices.
@@ -240,7 +268,9 @@ impl Mesh {
     /// Splits a leaf edge at `point`, rounded to `f32`; every patch along the edge sees the new vertex from now on.
     pub(super) fn split_edge(&mut self, leaf: EdgeId, point: DVec3) -> VertexId {
         let vertex = self.vertices_m.push_and_get_key(point.as_vec3().as_dvec3());
-        self.split_roots.push(Some(self.edges.root(leaf)));
+        let root = self.edges.root(leaf);
+        self.split_roots.push(Some(root));
+        self.jump_vertices.push(self.jump_roots.contains(&root));
         self.edges.split(leaf, vertex);
         vertex
     }

@@ -5,9 +5,11 @@
 //! counter-clockwise; both sides always block light.
 
 pub mod cornell;
+mod lamp;
 mod material;
 #[expect(clippy::module_inception, reason = "the module's main type is named like the module")]
 mod scene;
 
+pub use lamp::{Arriving, Lamp, LampKind};
 pub use material::{Material, Rgb};
 pub use scene::{Node, Scene, SceneError, Surface};

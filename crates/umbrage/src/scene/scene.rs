@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::{Material, Rgb};
-use crate::id::{MaterialId, NodeId, SurfaceId, Table};
+use super::{Lamp, Material, Rgb};
+use crate::id::{LampId, MaterialId, NodeId, SurfaceId, Table};
 
 /// A node of the scene's hierarchy. Surfaces are already in world space, so a node holds no transform.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -40,6 +40,8 @@ pub struct Scene {
     pub materials: Table<MaterialId, Material>,
     /// The surfaces.
     pub surfaces: Table<SurfaceId, Surface>,
+    /// Lamps without extent; surfaces that emit are light sources too.
+    pub lamps: Table<LampId, Lamp>,
 }
 
 /// Why a scene cannot be baked. Places are named by the node's and the material's names and the polygon's number.
@@ -48,9 +50,9 @@ pub enum SceneError {
     /// There is no polygon at all.
     #[error("the scene has no polygons: nothing can be baked")]
     Empty,
-    /// No polygon emits light.
+    /// No polygon emits light, and there is no lamp.
     #[error(
-        "no surface emits light: give a material an emissive colour in the file (glTF: emissiveFactor, OBJ: Ke, MGF: ed), \
+        "nothing emits light: give a material an emissive colour in the file (glTF: emissiveFactor, OBJ: Ke, MGF: ed), \
          with --emit MATERIAL=r,g,b, or with a TOML beside the scene (SCENE.umbrage.toml or --materials FILE); its \
          materials are {known}"
     )]
@@ -98,6 +100,14 @@ pub enum SceneError {
         /// What it must be.
         bound: &'static str,
     },
+    /// A lamp has no place, no direction or no brightness.
+    #[error("lamp {name:?}: {bound}")]
+    BadLamp {
+        /// The lamp's name.
+        name: String,
+        /// What is wrong with it.
+        bound: &'static str,
+    },
 }
 
 impl Scene {
@@ -138,6 +148,11 @@ impl Scene {
                 return bad("radiance", m.radiance, "finite and not negative");
             }
         }
+        for lamp in &self.lamps {
+            if let Some(bound) = lamp.defect() {
+                return Err(SceneError::BadLamp { name: lamp.name.clone(), bound });
+            }
+        }
         for (id, surface) in self.surfaces.iter_enumerated() {
             for (number, polygon) in surface.polygons.iter().enumerate() {
                 let place = || self.place(id, number);
@@ -154,7 +169,8 @@ impl Scene {
                 }
             }
         }
-        let lit = self.surfaces.iter().any(|s| !s.polygons.is_empty() && self.materials[s.material].emits());
+        let lit = self.surfaces.iter().any(|s| !s.polygons.is_empty() && self.materials[s.material].emits())
+            || self.lamps.iter().any(Lamp::emits);
         if lit { Ok(()) } else { Err(SceneError::Lightless { known: self.material_names() }) }
     }
 

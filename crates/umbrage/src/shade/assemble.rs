@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::corner_group::{self, CornerGroup, Triangle};
-use super::field::Field;
+use super::field::{Field, Places, Values};
 use super::{BakedMesh, BakedPart};
 use crate::id::{SurfaceId, Table};
 use crate::mesh::Mesh;
@@ -18,7 +18,8 @@ use crate::visibility::ReceiverPoint;
 /// Groups evaluated between two reports of progress.
 const GROUPS_A_REPORT: usize = 256;
 
-/// Evaluates the irradiance once for each group of corners, and assembles the triangles.
+/// Assembles the triangles. Each group of corners has the value that refinement left at its vertex; where a contact passes
+/// through it, or nothing is known, the irradiance is evaluated.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.
@@ -26,6 +27,8 @@ pub(super) fn assemble(
     scene: &Scene,
     prepared: &Prepared,
     mesh: &Mesh,
+    places: &Places<'_>,
+    known: &Values,
     irradiance: &impl Field,
     progress: Progress<'_>,
 ) -> Result<BakedMesh, Cancelled> {
@@ -38,12 +41,17 @@ pub(super) fn assemble(
             if number.is_multiple_of(GROUPS_A_REPORT) {
                 progress.report(Stage::Shade, number, groups.len())?;
             }
+            let patch = triangles[group.first_triangle].patch;
+            let place = places.vertex(mesh, patch, group.vertex);
+            if let Some(value) = known.get(&place.key).filter(|_| place.key.is_of_plane()) {
+                return Ok(value);
+            }
             let point = ReceiverPoint {
                 position_m: group.at_m,
                 normal: prepared.normal(group.face),
                 plane: prepared.faces[group.face].plane,
             };
-            Ok(irradiance.at(mesh, &point, triangles[group.first_triangle].patch))
+            Ok(irradiance.at(mesh, &point, patch))
         })
         .collect::<Result<Vec<Rgb>, Cancelled>>()?;
     Ok(parts(scene, prepared, mesh, &triangles, &groups, &group_of, &values))

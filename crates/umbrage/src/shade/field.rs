@@ -48,6 +48,13 @@ pub(super) struct MeshPoint {
     side: Side,
 }
 
+impl MeshPoint {
+    /// Whether its value holds for all patches of a plane around it: no contact passes through it.
+    pub(super) fn is_of_plane(&self) -> bool {
+        matches!(self.side, Side::Plane(..))
+    }
+}
+
 /// A point to be evaluated.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Request {
@@ -81,10 +88,11 @@ impl<'a> Places<'a> {
     }
 
     fn on_contact(&self, mesh: &Mesh, vertex: VertexId) -> bool {
-        match mesh.split_root(vertex) {
-            Some(root) => self.contact_edges.get(root.index()).copied().unwrap_or(false),
-            None => self.contact_vertices[vertex],
-        }
+        mesh.is_jump_vertex(vertex)
+            || match mesh.split_root(vertex) {
+                Some(root) => self.contact_edges.get(root.index()).copied().unwrap_or(false),
+                None => self.contact_vertices[vertex],
+            }
     }
 
     fn side(&self, mesh: &Mesh, patch: PatchId, jumps: bool) -> Side {
@@ -121,7 +129,7 @@ impl<'a> Places<'a> {
         vertices.sort_unstable();
         let jumps = ends.iter().any(|end| {
             let root = mesh.edges().root(end.leaf.edge);
-            self.contact_edges.get(root.index()).copied().unwrap_or(false)
+            mesh.is_jump(root) || self.contact_edges.get(root.index()).copied().unwrap_or(false)
         });
         let side = self.side(mesh, patch, jumps);
         let at_m = mesh.vertex_m(vertices[0]).midpoint(mesh.vertex_m(vertices[1]));
@@ -129,19 +137,32 @@ impl<'a> Places<'a> {
     }
 }
 
-/// Values of a field at points of the mesh.
+/// Values of a field at points of the mesh, numbered in the order in which they were asked for.
 #[derive(Debug, Default)]
-pub(super) struct Values(BTreeMap<MeshPoint, Rgb>);
+pub(super) struct Values {
+    numbers: BTreeMap<MeshPoint, u32>,
+    values: Vec<Rgb>,
+}
 
 impl Values {
     /// The value of a point that was evaluated.
     pub(super) fn get(&self, key: &MeshPoint) -> Option<Rgb> {
-        self.0.get(key).copied()
+        self.number(key).map(|number| self.values[number as usize])
     }
 
-    /// Number of points evaluated.
-    pub(super) fn len(&self) -> usize {
-        self.0.len()
+    /// The number of a point that was evaluated.
+    pub(super) fn number(&self, key: &MeshPoint) -> Option<u32> {
+        self.numbers.get(key).copied()
+    }
+
+    /// All values, by number.
+    pub(super) fn as_slice(&self) -> &[Rgb] {
+        &self.values
+    }
+
+    /// Adds to each value.
+    pub(super) fn shift(&mut self, by: &[Rgb]) {
+        self.values.iter_mut().zip(by).for_each(|(value, by)| *value += *by);
     }
 
     /// Evaluates what is not known yet.
@@ -152,10 +173,10 @@ impl Values {
         mut requests: Vec<Request>,
         progress: Progress<'_>,
     ) -> Result<(), Cancelled> {
-        requests.retain(|request| !self.0.contains_key(&request.key));
+        requests.retain(|request| !self.numbers.contains_key(&request.key));
         requests.sort_by_key(|request| (request.key, request.patch));
         requests.dedup_by_key(|request| request.key);
-        let known = self.0.len();
+        let known = self.values.len();
         let values = requests
             .par_iter()
             .enumerate()
@@ -166,7 +187,8 @@ impl Values {
                 Ok(field.at(mesh, &request.point, request.patch))
             })
             .collect::<Result<Vec<Rgb>, Cancelled>>()?;
-        self.0.extend(requests.iter().map(|request| request.key).zip(values));
+        self.numbers.extend(requests.iter().enumerate().map(|(i, request)| (request.key, (known + i) as u32)));
+        self.values.extend(values);
         Ok(())
     }
 }

@@ -1,5 +1,5 @@
-//! A field known at the boundary points of some patches, linear in between: indirect light, which is smooth, is gathered
-//! at few points and interpolated at the many that direct light needs.
+//! A field known at the boundary points of some patches and in the middles between them, quadratic over their triangles:
+//! indirect light, which is smooth, is gathered at few points and interpolated at the many that direct light needs.
 //!
 //! Patches that share a leaf edge share its values, so that the field is continuous wherever its values are.
 
@@ -15,7 +15,10 @@ use crate::visibility::ReceiverPoint;
 #[derive(Clone, Copy, Debug)]
 struct Element {
     corners_m: [DVec2; 3],
+    /// At the corners.
     values: [Rgb; 3],
+    /// In the middles of the sides, from each corner to the next.
+    middles: [Rgb; 3],
 }
 
 impl Element {
@@ -25,9 +28,19 @@ impl Element {
         let doubled = (b - a).perp_dot(c - a);
         [(b, c), (c, a), (a, b)].map(|(p, q)| (p - at).perp_dot(q - at) / doubled)
     }
+
+    /// The value where the barycentric coordinates are these.
+    fn value(&self, weights: [f64; 3]) -> Rgb {
+        (0..3)
+            .map(|i| {
+                let (here, next) = (weights[i], weights[(i + 1) % 3]);
+                here * (2.0 * here - 1.0) * self.values[i] + 4.0 * here * next * self.middles[i]
+            })
+            .sum()
+    }
 }
 
-/// A field that is linear over the triangles of the patches that were leaves when it was made.
+/// A field that is quadratic over the triangles of the patches that were leaves when it was made.
 #[derive(Clone, Debug)]
 pub(super) struct Interpolated {
     elements: Table<PatchId, Vec<Element>>,
@@ -51,9 +64,16 @@ impl Interpolated {
             elements[leaf] = mesh
                 .triangles_of(leaf, &boundary)
                 .into_iter()
-                .map(|triangle| Element {
-                    corners_m: triangle.map(|k| known[k].0),
-                    values: triangle.map(|k| known[k].1),
+                .filter_map(|triangle| {
+                    let middle = |i: usize| {
+                        let ends = [triangle[i], triangle[(i + 1) % 3]].map(|k| &boundary[k]);
+                        values.get(&places.middle(mesh, leaf, ends).key)
+                    };
+                    Some(Element {
+                        corners_m: triangle.map(|k| known[k].0),
+                        values: triangle.map(|k| known[k].1),
+                        middles: [middle(0)?, middle(1)?, middle(2)?],
+                    })
                 })
                 .collect();
         }
@@ -74,8 +94,7 @@ impl Interpolated {
             .iter()
             .map(|element| (element.weights(at), element))
             .reduce(|best, next| if least(&next.0) > least(&best.0) { next } else { best });
-        nearest.map_or(Rgb::ZERO, |(weights, element)| {
-            weights.iter().zip(element.values).map(|(&weight, value)| weight * value).sum()
-        })
+        // A parabola may fall below zero beside a dark corner.
+        nearest.map_or(Rgb::ZERO, |(weights, element)| element.value(weights).max(Rgb::ZERO))
     }
 }

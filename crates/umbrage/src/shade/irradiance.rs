@@ -8,6 +8,8 @@
 //! Before: a point lies inside its triangle, never on an edge or a contact: there the limit depends on the direction, and
 //! the caller chooses it by where it puts the point.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 use smallvec::smallvec;
 
@@ -24,7 +26,7 @@ use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility, VisiblePart};
 
 /// A face that could not bring more than this share of the mean irradiance is weak: what the linear form of its links
 /// errs is a part of that.
-const WEAK_OF_MEAN: f64 = 3e-3;
+const WEAK_OF_MEAN: f64 = 5e-3;
 
 /// Evaluates irradiance at points.
 #[derive(Debug)]
@@ -34,9 +36,22 @@ pub struct Irradiance<'a> {
     links: &'a Links,
     direct: &'a DirectLight<'a>,
     reflected: Reflected<'a>,
-    polygons: Table<FaceId, SourcePolygon>,
+    faces: Table<FaceId, ReflectingFace>,
     /// Mean irradiance of all faces, in W/m2.
     mean: f64,
+    /// A face that could not bring more is weak, in W/m2.
+    weak: f64,
+}
+
+/// A face as a source.
+#[derive(Debug)]
+struct ReflectingFace {
+    polygon: SourcePolygon,
+    middle_m: DVec3,
+    radius_m: f64,
+    area_m2: f64,
+    /// The most that it reflects anywhere, in W/m2.
+    greatest: f64,
 }
 
 impl<'a> Irradiance<'a> {
@@ -53,9 +68,20 @@ impl<'a> Irradiance<'a> {
         let area_m2: f64 = roots().map(|root| mesh.patch(root).area_m2).sum();
         let power: Rgb = roots().map(|root| solution.irradiance[root] * mesh.patch(root).area_m2).sum();
         let mean = power.element_sum() / 3.0 / area_m2;
-        let polygons = prepared.faces.keys().map(|face| SourcePolygon::of_face(prepared, face)).collect();
         let reflected = Reflected::new(mesh, &solution.reflected, power.max_element() / area_m2);
-        Self { visibility, mesh, links, direct, reflected, polygons, mean }
+        let reflecting = |face: FaceId| {
+            let (polygon, root) = (SourcePolygon::of_face(prepared, face), mesh.patch(mesh.root(face)));
+            let reach = |corner: &DVec3| corner.distance(root.centroid_m);
+            ReflectingFace {
+                middle_m: root.centroid_m,
+                radius_m: polygon.corners_m.iter().map(reach).fold(0.0, f64::max),
+                area_m2: root.area_m2,
+                greatest: reflected.greatest(mesh.root(face)),
+                polygon,
+            }
+        };
+        let faces = prepared.faces.keys().map(reflecting).collect();
+        Self { visibility, mesh, links, direct, reflected, faces, mean, weak: WEAK_OF_MEAN * mean }
     }
 
     /// Mean irradiance of all faces, over the three colours, in W/m2.
@@ -71,9 +97,9 @@ impl<'a> Irradiance<'a> {
     /// Irradiance by reflection, in W/m2, at a point of `face`.
     pub fn indirect(&self, receiver: &ReceiverPoint, face: FaceId) -> Rgb {
         let (mut sum, mut weak) = (Rgb::ZERO, Vec::new());
-        for source in self.polygons.keys() {
+        for source in self.faces.keys() {
             let most = self.most_from(receiver, source);
-            if most >= WEAK_OF_MEAN * self.mean {
+            if most >= self.weak {
                 sum += self.from_face(receiver, source);
             } else if most > 0.0 {
                 weak.push(source);
@@ -82,13 +108,22 @@ impl<'a> Irradiance<'a> {
         (sum + self.from_weak(receiver.position_m, face, &weak)).max(Rgb::ZERO)
     }
 
-    /// The most that a face could bring, in W/m2, if nothing stood between and it were as bright as its brightest spot.
+    /// The most that a face could bring, in W/m2, if nothing stood between and it were as bright as its brightest spot; a
+    /// rougher bound where that is weak.
     fn most_from(&self, receiver: &ReceiverPoint, source: FaceId) -> f64 {
-        let (polygon, light) = (&self.polygons[source], self.reflected.greatest(self.mesh.root(source)));
-        let faces = light > 0.0
-            && receiver.plane != polygon.plane
-            && polygon.oriented_plane.signed_distance_m(receiver.position_m) > 0.0;
-        if faces { light * point_to_polygon(receiver.position_m, receiver.normal, &polygon.corners_m) } else { 0.0 }
+        let face = &self.faces[source];
+        let faces = face.greatest > 0.0
+            && receiver.plane != face.polygon.plane
+            && face.polygon.oriented_plane.signed_distance_m(receiver.position_m) > 0.0;
+        if !faces {
+            return 0.0;
+        }
+        let apart_m = receiver.position_m.distance(face.middle_m) - face.radius_m;
+        let bound = face.greatest * face.area_m2 / (PI * apart_m * apart_m);
+        if apart_m > 0.0 && bound < self.weak {
+            return bound;
+        }
+        face.greatest * point_to_polygon(receiver.position_m, receiver.normal, &face.polygon.corners_m)
     }
 
     /// What comes over the links of a point's leaf and of the leaf's ancestors from the faces in `weak`, which are in order.
@@ -116,7 +151,7 @@ impl<'a> Irradiance<'a> {
 
     /// Irradiance by what a face reflects.
     fn from_face(&self, receiver: &ReceiverPoint, face: FaceId) -> Rgb {
-        let part: Part = match self.visibility.visible_part(receiver, &self.polygons[face]) {
+        let part: Part = match self.visibility.visible_part(receiver, &self.faces[face].polygon) {
             VisiblePart::Nothing => return Rgb::ZERO,
             VisiblePart::Whole(corners_m) => smallvec![corners_m],
             VisiblePart::Part(contours) => contours.iter().map(<[DVec3]>::to_vec).collect(),

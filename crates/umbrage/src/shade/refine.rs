@@ -1,9 +1,7 @@
-//! Display refinement: splits leaves until linear interpolation of a field over their triangles is within a tolerance.
+//! Display refinement: splits leaves until interpolation of a field over their triangles is within a tolerance.
 //!
-//! Light decides where, hints decide how: the leaf that errs most is split by `split`, along its d-segments first. The
-//! error of a leaf is estimated on the triangles that `point_split` would make of it: the field at the middles of their
-//! sides, less the mean of its values at their ends, gives the quadratic part of the field, whose mean square over a
-//! triangle is `8/45 (d1^2 + d2^2 + d3^2 + d1 d2 + d2 d3 + d3 d1)`; the centroid is looked at besides.
+//! Light decides where, hints decide how: the leaf that errs most is split by `split`, along its d-segments first. What a leaf
+//! errs is told by the elements that `point_split` would make of it ([`super::element`]).
 //!
 //! In each round the smallest set of leaves that makes up a share of the error is split, until the root of the mean
 //! square error over all receiving sides is within the tolerance times the mean of the field (bulk marking, Dörfler
@@ -13,9 +11,10 @@
 
 use rayon::prelude::*;
 
-use super::field::{Field, Places, Request, Values};
+use super::element::{Element, Outlined, shifts};
+use super::field::{Field, Places, Values};
 use crate::id::PatchId;
-use crate::mesh::{BoundaryPoint, Mesh};
+use crate::mesh::Mesh;
 use crate::progress::{Cancelled, Progress};
 use crate::scene::Rgb;
 
@@ -26,9 +25,20 @@ const LEAST_SHARE_OF_LEAVES: f64 = 0.02;
 /// No refinement needs more rounds: each halves the greatest errors at least.
 const MOST_ROUNDS: usize = 60;
 
+/// How a field is interpolated over a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Interpolation {
+    /// From the values at its corners.
+    Linear,
+    /// From those and the values at the middles of its sides.
+    Quadratic,
+}
+
 /// When refinement ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RefineSettings {
+    /// What the error is of.
+    pub(super) interpolation: Interpolation,
     /// Root mean square error over the mean of the field.
     pub(super) tolerance: f64,
     /// The mean irradiance that the tolerance refers to, in W/m2.
@@ -37,75 +47,25 @@ pub(super) struct RefineSettings {
     pub(super) max_triangles: usize,
 }
 
-/// What is known of the error of a leaf.
-#[derive(Clone, Copy, Debug)]
-struct Estimate {
+/// What is known of a leaf.
+#[derive(Clone, Debug)]
+struct Known {
     /// Boundary points at the time: with more of them the triangles are others.
     points: usize,
-    /// Integral of the squared error, in W2/m2.
-    squared: f64,
-    area_m2: f64,
-    triangles: usize,
+    elements: Vec<Element>,
 }
 
-/// The triangles of a leaf.
-struct Outlined {
-    patch: PatchId,
-    boundary: Vec<BoundaryPoint>,
-    triangles: Vec<[usize; 3]>,
-}
-
-impl Outlined {
-    fn of(mesh: &Mesh, patch: PatchId) -> Self {
-        let boundary = mesh.boundary(patch);
-        let triangles = mesh.triangles_of(patch, &boundary);
-        Self { patch, boundary, triangles }
-    }
-
-    /// The points that the estimate needs.
-    fn requests(&self, mesh: &Mesh, places: &Places<'_>) -> Vec<Request> {
-        let vertices = self.boundary.iter().map(|point| places.vertex(mesh, self.patch, point.vertex));
-        let middles = self.triangles.iter().flat_map(|triangle| {
-            (0..3).map(|i| {
-                let ends = [triangle[i], triangle[(i + 1) % 3]].map(|k| &self.boundary[k]);
-                places.middle(mesh, self.patch, ends)
-            })
-        });
-        vertices.chain(middles).collect()
-    }
-
-    fn estimate(&self, mesh: &Mesh, places: &Places<'_>, values: &Values, field: &impl Field) -> Estimate {
-        let value = |request: Request| values.get(&request.key).unwrap_or(Rgb::ZERO);
-        let at: Vec<Rgb> =
-            self.boundary.iter().map(|point| value(places.vertex(mesh, self.patch, point.vertex))).collect();
-        let position = |k: usize| mesh.vertex_m(self.boundary[k].vertex);
-        let mut estimate =
-            Estimate { points: self.boundary.len(), squared: 0.0, area_m2: 0.0, triangles: self.triangles.len() };
-        for triangle in &self.triangles {
-            let [a, b, c] = triangle.map(position);
-            let area_m2 = 0.5 * (b - a).cross(c - a).length();
-            let deviation = |i: usize| {
-                let (j, k) = (triangle[i], triangle[(i + 1) % 3]);
-                value(places.middle(mesh, self.patch, [&self.boundary[j], &self.boundary[k]])) - 0.5 * (at[j] + at[k])
-            };
-            let d = [deviation(0), deviation(1), deviation(2)];
-            let quadratic =
-                8.0 / 45.0 * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + d[0] * d[1] + d[1] * d[2] + d[2] * d[0]);
-            let mean = triangle.map(|k| at[k]).into_iter().sum::<Rgb>() / 3.0;
-            let centroid = places.inside(mesh, self.patch, (a + b + c) / 3.0);
-            let middle = field.at(mesh, &centroid, self.patch) - mean;
-            // A bump of height h over the centroid alone has a mean square of about h^2 / 6.
-            let squared = quadratic.max(middle * middle / 6.0);
-            estimate.squared += area_m2 * squared.element_sum() / 3.0;
-            estimate.area_m2 += area_m2;
-        }
-        estimate
-    }
+/// What refinement leaves.
+pub(super) struct Refined {
+    /// The field at the points of the mesh.
+    pub(super) values: Values,
+    /// What each of them is shifted by to be shown, for linear interpolation.
+    pub(super) shifts: Vec<Rgb>,
+    /// Estimated root mean square error over the mean.
+    pub(super) error: f64,
 }
 
 /// Splits the leaves that `receives` admits until the field is interpolated within the tolerance.
-///
-/// Returns the values at the points of the mesh, and the estimate of the relative error that is left.
 pub(super) fn refine(
     mesh: &mut Mesh,
     places: &Places<'_>,
@@ -113,58 +73,67 @@ pub(super) fn refine(
     receives: impl Fn(&Mesh, PatchId) -> bool,
     settings: RefineSettings,
     progress: Progress<'_>,
-) -> Result<(Values, f64), Cancelled> {
-    let mut values = Values::default();
-    let mut estimates: Vec<Option<Estimate>> = Vec::new();
-    let mut error = 0.0;
+) -> Result<Refined, Cancelled> {
+    let mut refined = Refined { values: Values::default(), shifts: Vec::new(), error: 0.0 };
+    let mut known: Vec<Option<Known>> = Vec::new();
     for _ in 0..MOST_ROUNDS {
-        estimates.resize(mesh.patch_count(), None);
+        known.resize(mesh.patch_count(), None);
         let leaves: Vec<PatchId> = mesh.leaves().filter(|&leaf| receives(mesh, leaf)).collect();
-        let stale: Vec<Outlined> = leaves
-            .par_iter()
-            .filter(|leaf| {
-                estimates[leaf.index()].is_none_or(|estimate| estimate.points != mesh.boundary(**leaf).len())
-            })
-            .map(|&leaf| Outlined::of(mesh, leaf))
-            .collect();
+        let is_stale =
+            |leaf: PatchId| known[leaf.index()].as_ref().is_none_or(|known| known.points != mesh.boundary(leaf).len());
+        let stale: Vec<Outlined> =
+            leaves.par_iter().filter(|leaf| is_stale(**leaf)).map(|&leaf| Outlined::of(mesh, leaf)).collect();
         let requests = stale.par_iter().flat_map_iter(|leaf| leaf.requests(mesh, places)).collect();
-        values.evaluate(mesh, field, requests, progress)?;
-        let fresh: Vec<Estimate> = stale.par_iter().map(|leaf| leaf.estimate(mesh, places, &values, field)).collect();
-        for (leaf, estimate) in stale.iter().zip(fresh) {
-            estimates[leaf.patch.index()] = Some(estimate);
+        refined.values.evaluate(mesh, field, requests, progress)?;
+        let fresh: Vec<Vec<Element>> =
+            stale.par_iter().map(|leaf| leaf.elements(mesh, places, &refined.values, field)).collect();
+        for (leaf, elements) in stale.iter().zip(fresh) {
+            known[leaf.patch.index()] = Some(Known { points: leaf.point_count(), elements });
         }
-        let known: Vec<(PatchId, Estimate)> =
-            leaves.iter().filter_map(|&leaf| estimates[leaf.index()].map(|estimate| (leaf, estimate))).collect();
-        let sum = |part: &dyn Fn(&Estimate) -> f64| known.iter().map(|(_, estimate)| part(estimate)).sum::<f64>();
-        let (squared, area_m2) = (sum(&|e| e.squared), sum(&|e| e.area_m2));
-        if squared <= 0.0 || settings.mean <= 0.0 {
-            error = 0.0;
+        let elements_of = |leaf: PatchId| known[leaf.index()].iter().flat_map(|known| &known.elements);
+        refined.shifts = match settings.interpolation {
+            Interpolation::Linear => shifts(leaves.iter().flat_map(|&leaf| elements_of(leaf)), &refined.values),
+            Interpolation::Quadratic => Vec::new(),
+        };
+        let squared = |element: &Element| match settings.interpolation {
+            Interpolation::Linear => element.linear_error_squared(&refined.shifts),
+            Interpolation::Quadratic => element.quadratic_error_squared(),
+        };
+        let integral = |leaf: PatchId| {
+            elements_of(leaf).map(|element| element.area_m2 * squared(element).element_sum() / 3.0).sum::<f64>()
+        };
+        let errors: Vec<(PatchId, f64)> = leaves.iter().map(|&leaf| (leaf, integral(leaf))).collect();
+        let total: f64 = errors.iter().map(|(_, squared)| squared).sum();
+        let area_m2: f64 = leaves.iter().flat_map(|&leaf| elements_of(leaf)).map(|element| element.area_m2).sum();
+        if total <= 0.0 || settings.mean <= 0.0 {
+            refined.error = 0.0;
             break;
         }
-        error = (squared / area_m2).sqrt() / settings.mean;
-        let triangles: usize = known.iter().map(|(_, estimate)| estimate.triangles).sum();
-        tracing::debug!(leaves = known.len(), triangles, points = values.len(), error, "refined");
+        refined.error = (total / area_m2).sqrt() / settings.mean;
+        let triangles = leaves.iter().flat_map(|&leaf| elements_of(leaf)).count();
+        let points = refined.values.as_slice().len();
+        tracing::debug!(leaves = leaves.len(), triangles, points, error = refined.error, "refined");
         let target = (settings.tolerance * settings.mean).powi(2) * area_m2;
-        if squared <= target || triangles >= settings.max_triangles {
+        if total <= target || triangles >= settings.max_triangles {
             break;
         }
-        split_worst(mesh, known, squared, target, settings.max_triangles - triangles);
+        split_worst(mesh, errors, total, target, settings.max_triangles - triangles);
     }
-    Ok((values, error))
+    Ok(refined)
 }
 
 /// Splits the leaves that make up a share of the squared error, and no more than are needed for the target.
-fn split_worst(mesh: &mut Mesh, mut known: Vec<(PatchId, Estimate)>, squared: f64, target: f64, room: usize) {
-    known.sort_by(|(p, first), (q, second)| second.squared.total_cmp(&first.squared).then(p.cmp(q)));
-    let enough = (SHARE_A_ROUND * squared).min(squared - 0.5 * target);
-    let least = (LEAST_SHARE_OF_LEAVES * known.len() as f64) as usize;
+fn split_worst(mesh: &mut Mesh, mut errors: Vec<(PatchId, f64)>, total: f64, target: f64, room: usize) {
+    errors.sort_by(|(p, first), (q, second)| second.total_cmp(first).then(p.cmp(q)));
+    let enough = (SHARE_A_ROUND * total).min(total - 0.5 * target);
+    let least = (LEAST_SHARE_OF_LEAVES * errors.len() as f64) as usize;
     let mut marked = Vec::new();
     let mut sum = 0.0;
-    for (leaf, estimate) in known {
-        if (sum >= enough && marked.len() >= least) || marked.len() >= room.max(1) || estimate.squared <= 0.0 {
+    for (leaf, squared) in errors {
+        if (sum >= enough && marked.len() >= least) || marked.len() >= room.max(1) || squared <= 0.0 {
             break;
         }
-        sum += estimate.squared;
+        sum += squared;
         marked.push(leaf);
     }
     marked.sort_unstable();

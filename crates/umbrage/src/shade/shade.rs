@@ -1,6 +1,6 @@
 //! From the solved hierarchy to what is shown.
 //!
-//! Indirect light is smooth: it is gathered from the hierarchy at few points, between which it is linear within a share
+//! Indirect light is smooth: it is gathered from the hierarchy at few points, between which it is quadratic within a share
 //! of the tolerance. Then the mesh is refined for the sum of exact direct light and that. At last every leaf is cut
 //! into triangles, and the light of each vertex is written down.
 //!
@@ -12,7 +12,7 @@ use super::assemble::assemble;
 use super::field::{Field, Places};
 use super::interpolated::Interpolated;
 use super::irradiance::{Direct, Indirect, Irradiance};
-use super::refine::{RefineSettings, refine};
+use super::refine::{Interpolation, RefineSettings, Refined, refine};
 use crate::id::PatchId;
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
@@ -21,7 +21,10 @@ use crate::scene::{Rgb, Scene};
 use crate::visibility::ReceiverPoint;
 
 /// The share of the tolerance that interpolation of indirect light may take.
-const INDIRECT_SHARE: f64 = 0.5;
+const INDIRECT_SHARE: f64 = 0.3;
+/// The share of the tolerance that linear interpolation of all light may take: what is left is for the errors of the
+/// light itself.
+const LINEAR_SHARE: f64 = 0.6;
 
 /// How finely light is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,19 +80,26 @@ pub fn shade(
     mesh.remove_d0_hints();
     let mean = irradiance.mean();
     let smooth = RefineSettings {
+        interpolation: Interpolation::Quadratic,
         tolerance: INDIRECT_SHARE * settings.tolerance,
         mean,
         max_triangles: settings.max_triangles / 2,
     };
     let everywhere = |_: &Mesh, _: PatchId| true;
-    let (values, _) = refine(mesh, &places, &Indirect(irradiance), everywhere, smooth, progress)?;
-    let indirect = Interpolated::new(mesh, &places, &values);
+    let gathered = refine(mesh, &places, &Indirect(irradiance), everywhere, smooth, progress)?;
+    let indirect = Interpolated::new(mesh, &places, &gathered.values);
     let total = Total { direct: Direct(irradiance), indirect: &indirect };
-    let whole = RefineSettings { tolerance: settings.tolerance, mean, max_triangles: settings.max_triangles };
-    let (_, error) = refine(mesh, &places, &total, receives, whole, progress)?;
+    let whole = RefineSettings {
+        interpolation: Interpolation::Linear,
+        tolerance: LINEAR_SHARE * settings.tolerance,
+        mean,
+        max_triangles: settings.max_triangles,
+    };
+    let Refined { mut values, shifts, error } = refine(mesh, &places, &total, receives, whole, progress)?;
+    values.shift(&shifts);
     for patch in mesh.triangulate() {
         tracing::warn!(?patch, "a patch thinner than rounding is not shown");
     }
-    let mesh = assemble(scene, prepared, mesh, &total, progress)?;
+    let mesh = assemble(scene, prepared, mesh, &places, &values, &total, progress)?;
     Ok(Shaded { mesh, error })
 }

@@ -165,7 +165,7 @@ mod tests {
         let scene = fixture::scene(vec![glowing(0.5)]);
         let (mesh, surfaces, solution) =
             solved(&scene, &prepared, 0.02, SolveSettings { max_residual: 1e-7, max_iterations: 99 });
-        let radiosity = |leaf| surfaces.exitance[leaf].x + solution.reflected[leaf].mean.x;
+        let radiosity = |leaf: PatchId| surfaces.exitance[leaf].x + solution.reflected[leaf].mean.x;
         let mean = mean_over_leaves(&mesh, radiosity);
         assert!((mean - 2.0).abs() < 1e-3, "area mean {mean}");
         let rms = mean_over_leaves(&mesh, |leaf| (radiosity(leaf) - 2.0).powi(2)).sqrt() / 2.0;

@@ -1,6 +1,7 @@
 //! Direct light: irradiance straight from the emitters, exactly.
 //!
-//! At a point, `E = M F` for each emitting face, with its exitance `M` and Lambert's factor `F` of its exact visible part.
+//! At a point, `E = M F` for each emitting face, with its exitance `M` and Lambert's factor `F` of its exact visible part; and
+//! what each lamp brings that an exact ray sees.
 //! Over a patch, a linear fit to such points. Direct light carries the shadows; so it never goes over links, whose factors
 //! are linear over patches that may be large. Links carry what is reflected.
 
@@ -12,6 +13,7 @@ use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility};
 
 use super::fit::Linear;
 use super::form_factor::point_to_visible_part;
+use super::lamps::Lamps;
 use super::sample::{self, Rule};
 use rayon::prelude::*;
 
@@ -29,6 +31,7 @@ pub struct DirectLight<'a> {
     prepared: &'a Prepared,
     visibility: &'a Visibility,
     emitters: Vec<Emitter>,
+    lamps: Lamps,
 }
 
 impl<'a> DirectLight<'a> {
@@ -42,7 +45,8 @@ impl<'a> DirectLight<'a> {
                 exitance: material(face).exitance(),
             })
             .collect();
-        Self { prepared, visibility, emitters }
+        let lamps = Lamps::new(scene, prepared);
+        Self { prepared, visibility, emitters, lamps }
     }
 
     /// Irradiance at a point, in W/m2.
@@ -51,7 +55,7 @@ impl<'a> DirectLight<'a> {
             let part = self.visibility.visible_part(receiver, &emitter.polygon);
             emitter.exitance * point_to_visible_part(receiver.position_m, receiver.normal, &part)
         };
-        self.emitters.iter().map(from).sum()
+        self.emitters.iter().map(from).sum::<Rgb>() + self.lamps.at(self.visibility, receiver)
     }
 
     /// Irradiance of a patch, in W/m2.

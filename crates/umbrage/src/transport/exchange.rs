@@ -2,7 +2,7 @@
 //! `A1 F12 = A2 F21`.
 //!
 //! Four ways, by how much the ends can bring each other:
-//! - weak ends are constant to one another, and four rays tell what they see of one another;
+//! - weak ends are constant to one another, and a ray or four tell what they see of one another;
 //! - ends in clear sight have the double contour integral where they are near, samples on the smaller where they are far;
 //! - of ends with something between, sixteen rays tell the share that is seen;
 //! - of strong ones the exact visible part is averaged.
@@ -14,7 +14,7 @@ use glam::{DVec2, DVec3};
 use super::contour;
 use super::fit::Linear;
 use super::form_factor::{point_to_polygon, point_to_visible_part};
-use super::link::{Link, Node, Sight};
+use super::link::{Link, Node};
 use super::sample::{self, Rule};
 use crate::geometry::{PlaneFrame, clip, polygon};
 use crate::mesh::Mesh;
@@ -52,8 +52,10 @@ impl End {
 /// Ends whose distance is at least this many radii of the smaller one are far: samples on it are better than 1e-3 there,
 /// and the contour integral starts to lose digits.
 const FAR_RADII: f64 = 6.0;
-/// Ends whose form factors are below this, whatever stands between them, are constant to one another, and four rays tell
-/// how much of one another they see.
+/// Ends whose form factors are below this, whatever stands between them, are constant to one another, and one ray tells
+/// whether they see one another: there are very many of them, whose errors cancel.
+const FAINT_FACTOR: f64 = 0.001;
+/// Ends whose form factors are below this are constant to one another too, and four rays tell how much they see.
 const WEAK_FACTOR: f64 = 0.005;
 /// Partly hidden ends whose form factors are below this see a share of one another that sixteen rays tell; above it the
 /// exact visible part is averaged.
@@ -64,7 +66,8 @@ pub(super) fn link_both_ways(prepared: &Prepared, visibility: &Visibility, mesh:
     let [first, second] = pair.map(|node| End::new(prepared, mesh, node));
     let most = first.most_factor(&second);
     if most < WEAK_FACTOR {
-        return weak_links(visibility, &first, &second);
+        let rays = if most < FAINT_FACTOR { 1 } else { RAY_POINTS };
+        return weak_links(visibility, &first, &second, rays);
     }
     let hidden = visibility.may_be_blocked(&first.polygon, &second.polygon);
     if !hidden || most < STRONG_FACTOR {
@@ -73,7 +76,7 @@ pub(super) fn link_both_ways(prepared: &Prepared, visibility: &Visibility, mesh:
     }
     let fits = [first.visible_fit(visibility, &second), second.visible_fit(visibility, &first)];
     let exchange_m2 = smaller_exchange_m2(&first, &second, &fits);
-    links_of(&first, &second, exchange_m2, fits, Sight::Partial)
+    links_of(&first, &second, exchange_m2, fits)
 }
 
 /// The links between ends in clear sight of one another.
@@ -82,7 +85,7 @@ fn clear_links(first: &End, second: &End) -> [Link; 2] {
     let near = f64::min(first.radii_to(second), second.radii_to(first)) < FAR_RADII;
     let exchange_m2 =
         if near { first.clear_exchange_area_m2(second) } else { smaller_exchange_m2(first, second, &fits) };
-    links_of(first, second, exchange_m2, fits, Sight::Clear)
+    links_of(first, second, exchange_m2, fits)
 }
 
 /// Form factor times area, the same both ways, from the mean over the smaller end.
@@ -91,14 +94,13 @@ fn smaller_exchange_m2(first: &End, second: &End, fits: &[Linear<f64>; 2]) -> f6
 }
 
 /// The two links of an exchange of light.
-fn links_of(first: &End, second: &End, exchange_m2: f64, fits: [Linear<f64>; 2], sight: Sight) -> [Link; 2] {
+fn links_of(first: &End, second: &End, exchange_m2: f64, fits: [Linear<f64>; 2]) -> [Link; 2] {
     [(first, second, fits), (second, first, [fits[1], fits[0]])].map(|(receiver, source, [there, back])| Link {
         receiver: receiver.node,
         source: source.node,
         form_factor: exchange_m2 / receiver.area_m2,
         gradient: DVec2::from(there.gradient).as_vec2(),
         moment_factor: (source.area_m2 / receiver.area_m2 * DVec2::from(back.gradient)).as_vec2(),
-        sight,
     })
 }
 
@@ -108,7 +110,6 @@ fn shaded(links: [Link; 2], share: f64) -> [Link; 2] {
         form_factor: share * link.form_factor,
         gradient: share as f32 * link.gradient,
         moment_factor: share as f32 * link.moment_factor,
-        sight: Sight::Partial,
         ..link
     })
 }
@@ -123,17 +124,15 @@ fn visible_share(visibility: &Visibility, first: &End, second: &End) -> f64 {
     clear as f64 / (RAY_POINTS * RAY_POINTS) as f64
 }
 
-/// The links between two small ends that are far apart: constant over both.
-fn weak_links(visibility: &Visibility, first: &End, second: &End) -> [Link; 2] {
+/// The links between two small ends that are far apart: constant over both, and seen as far as `rays` tell.
+fn weak_links(visibility: &Visibility, first: &End, second: &End, rays: usize) -> [Link; 2] {
     let (smaller, larger) = if first.area_m2 <= second.area_m2 { (first, second) } else { (second, first) };
     let normal = smaller.polygon.oriented_plane.normal;
     let factor = point_to_polygon(smaller.centroid_m, normal, &larger.polygon.corners_m);
     let clear = |i: &usize| smaller.sees(visibility, *i, larger, RAY_POINTS - 1 - i);
-    let seen = if factor > 0.0 { (0..RAY_POINTS).filter(clear).count() } else { 0 };
-    let exchange_m2 = smaller.area_m2 * factor * seen as f64 / RAY_POINTS as f64;
-    let constant = Linear::default();
-    let sight = if seen == RAY_POINTS { Sight::Clear } else { Sight::Partial };
-    links_of(first, second, exchange_m2, [constant; 2], sight)
+    let seen = if factor > 0.0 { (0..rays).filter(clear).count() } else { 0 };
+    let exchange_m2 = smaller.area_m2 * factor * seen as f64 / rays as f64;
+    links_of(first, second, exchange_m2, [Linear::default(); 2])
 }
 
 impl End {

@@ -16,15 +16,6 @@ use crate::mesh::Mesh;
 /// A node of the hierarchy that links join: a patch.
 pub type Node = PatchId;
 
-/// Whether anything stands between the ends of a link.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sight {
-    /// Nothing: the shaft between them is empty.
-    Clear,
-    /// Perhaps something.
-    Partial,
-}
-
 /// Light travels from `source` to `receiver`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
@@ -41,8 +32,6 @@ pub struct Link {
     /// How the mean irradiance on the receiver changes with the first moment of the source's radiosity, along the axes of
     /// the source's frame, per metre: the gradient of the link back, times the source's area over the receiver's.
     pub moment_factor: Vec2,
-    /// Whether anything stands between.
-    pub sight: Sight,
 }
 
 /// All links, by receiver.

@@ -2,9 +2,11 @@
 
 mod contour;
 mod direct;
+pub mod exact;
 mod exchange;
 mod fit;
 pub mod form_factor;
+mod lamps;
 mod link;
 mod oracle;
 mod sample;
@@ -12,6 +14,6 @@ mod subdivide;
 
 pub use direct::DirectLight;
 pub use fit::Linear;
-pub use link::{Link, LinkError, Links, Node, Sight};
+pub use link::{Link, LinkError, Links, Node};
 pub use oracle::{Decision, FormFactorOracle, Oracle};
 pub use subdivide::link_all;

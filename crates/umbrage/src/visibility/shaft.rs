@@ -14,10 +14,35 @@ use glam::DVec3;
 
 use super::{SourcePolygon, Visibility};
 use crate::geometry::Plane;
+use crate::id::FaceId;
 
 impl Visibility {
     /// Whether a face may stand between a point of `receiver` and a point of `source`.
     pub fn may_be_blocked(&self, receiver: &SourcePolygon, source: &SourcePolygon) -> bool {
+        let mut blocked = false;
+        self.walk_shaft(receiver, source, |_| {
+            blocked = true;
+            ControlFlow::Break(())
+        });
+        blocked
+    }
+
+    /// The faces that may stand between a point of `receiver` and a point of `source`.
+    pub fn faces_between(&self, receiver: &SourcePolygon, source: &SourcePolygon) -> Vec<FaceId> {
+        let mut faces = Vec::new();
+        self.walk_shaft(receiver, source, |face| {
+            faces.push(face);
+            ControlFlow::Continue(())
+        });
+        faces
+    }
+
+    fn walk_shaft(
+        &self,
+        receiver: &SourcePolygon,
+        source: &SourcePolygon,
+        mut visit: impl FnMut(FaceId) -> ControlFlow<()>,
+    ) {
         let slack_m = self.tolerance().coplanar_m();
         let mut inward = vec![receiver.oriented_plane, source.oriented_plane];
         add_side_planes(&mut inward, &receiver.corners_m, &source.corners_m, slack_m);
@@ -30,7 +55,6 @@ impl Visibility {
                 && max_m.cmpge(lo_m).all()
                 && inward.iter().all(|plane| plane.signed_distance_m(middle) + plane.normal.abs().dot(half) > slack_m)
         };
-        let mut blocked = false;
         self.walk(meets, |face| {
             let plane = self.plane(face);
             let apart = plane == receiver.plane
@@ -38,10 +62,8 @@ impl Visibility {
                 || inward
                     .iter()
                     .any(|side| self.boundary_m(face).iter().all(|&corner| side.signed_distance_m(corner) <= slack_m));
-            blocked = !apart;
-            if blocked { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if apart { ControlFlow::Continue(()) } else { visit(face) }
         });
-        blocked
     }
 }
 
@@ -66,7 +88,6 @@ mod tests {
     use super::super::fixture::{self, square};
     use super::super::{ReceiverPoint, VisiblePart};
     use super::*;
-    use crate::id::FaceId;
     use proptest::prelude::*;
 
     fn may_be_blocked(occluder: Vec<DVec3>) -> bool {

@@ -1,0 +1,86 @@
+//! What a bake shows at a point: the light of the triangle there, between its corners.
+
+use glam::DVec3;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::{Boundable, BvhBuildParams};
+use umbrage::scene::Rgb;
+
+use crate::path::Place;
+use crate::verify::BakedTriangle;
+
+/// A triangle further from a point than this share of the extent is not its own.
+const ON_PLANE_OF_EXTENT: f64 = 1e-4;
+/// Nor is one that looks another way: the least cosine.
+const SAME_WAY: f64 = 0.999;
+/// A point may lie outside of its triangle by this share of it: corners are rounded.
+const OUTSIDE: f64 = 1e-3;
+
+struct Boxed<'a>(&'a BakedTriangle, f64);
+
+impl Boundable for Boxed<'_> {
+    fn aabb(&self) -> Aabb {
+        let [p, q, r] = self.0.corners_m;
+        Aabb::new((p.min(q).min(r) - self.1).as_vec3a(), (p.max(q).max(r) + self.1).as_vec3a())
+    }
+}
+
+/// The triangles of a bake, by place.
+pub(crate) struct Baked<'a> {
+    triangles: &'a [BakedTriangle],
+    tree: Bvh2,
+    on_plane_m: f64,
+}
+
+impl<'a> Baked<'a> {
+    pub(crate) fn new(triangles: &'a [BakedTriangle], extent_m: f64) -> Self {
+        let on_plane_m = ON_PLANE_OF_EXTENT * extent_m;
+        let boxes: Vec<Boxed<'_>> = triangles.iter().map(|t| Boxed(t, on_plane_m)).collect();
+        let tree = if boxes.is_empty() {
+            Bvh2::default()
+        } else {
+            build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Default::default())
+        };
+        Self { triangles, tree, on_plane_m }
+    }
+
+    /// The irradiance that the bake shows at a point; `None` where it has no triangle there that looks the same way.
+    pub(crate) fn irradiance(&self, place: &Place) -> Option<Rgb> {
+        // The triangle that the point lies deepest in, by its least barycentric coordinate.
+        let mut best: Option<(f64, usize, Rgb)> = None;
+        self.tree.point_traverse(place.position_m.as_vec3a(), |tree, index| {
+            let node = &tree.nodes[index as usize];
+            let range = node.first_index as usize..(node.first_index + node.prim_count) as usize;
+            for &number in &tree.primitive_indices[range] {
+                let number = number as usize;
+                if let Some((depth, light)) = self.within(&self.triangles[number], place) {
+                    let better = best.is_none_or(|(most, other, _)| depth > most || (depth == most && number < other));
+                    if better {
+                        best = Some((depth, number, light));
+                    }
+                }
+            }
+            true
+        });
+        best.map(|(.., light)| light)
+    }
+
+    /// The least barycentric coordinate of a point that lies in a triangle, and the light there.
+    fn within(&self, triangle: &BakedTriangle, place: &Place) -> Option<(f64, Rgb)> {
+        let corners = triangle.corners_m;
+        let across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let doubled = across.length();
+        let normal = across / doubled;
+        let away = place.position_m - corners[0];
+        if !(normal.dot(place.normal) > SAME_WAY && away.dot(normal).abs() <= self.on_plane_m) {
+            return None;
+        }
+        let weight = |p: DVec3, q: DVec3| (p - place.position_m).cross(q - place.position_m).dot(normal) / doubled;
+        let weights = [weight(corners[1], corners[2]), weight(corners[2], corners[0]), weight(corners[0], corners[1])];
+        let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
+        let light = weights.iter().zip(triangle.irradiance).map(|(w, e)| w.max(0.0) * e).sum::<Rgb>();
+        let sum: f64 = weights.iter().map(|w| w.max(0.0)).sum();
+        (least >= -OUTSIDE).then(|| (least, light / sum))
+    }
+}

@@ -1,0 +1,110 @@
+//! The check: points, paths, and the bake beside them.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use fastrand::Rng;
+use glam::DVec3;
+use rayon::prelude::*;
+use umbrage::scene::{Rgb, Scene, SceneError};
+
+use crate::baked::Baked;
+use crate::emitters::Emitters;
+use crate::path::{BATCHES, Gathered, Paths};
+use crate::report::{CheckedPoint, Report};
+use crate::tracer::Tracer;
+use crate::{points, sides};
+
+/// A triangle of a bake, with its light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BakedTriangle {
+    /// Its corners in the world, counter-clockwise seen from its front, in metres.
+    pub corners_m: [DVec3; 3],
+    /// Irradiance at the corners, in W/m2.
+    pub irradiance: [Rgb; 3],
+}
+
+/// How much is checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// Points on the surfaces.
+    pub points: usize,
+    /// Paths from each point, rounded up to eight times a square number.
+    pub paths: usize,
+    /// Where the random numbers begin: another seed checks other points by other paths.
+    pub seed: u64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { points: 1000, paths: 8192, seed: 1 }
+    }
+}
+
+/// Why nothing was checked.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum VerifyError {
+    /// The scene cannot be used as it is.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// No surface that receives light can be compared.
+    #[error(
+        "no point of the scene can be compared: is the file baked from this scene, in the same unit and with the same axes?"
+    )]
+    NothingToCompare,
+    /// The callback asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// Compares a bake with light by path tracing; `progress` is told how many of how many points are done.
+///
+/// # Errors
+/// A [`VerifyError`] where the scene is refused, nothing can be compared, or the callback breaks.
+pub fn verify(
+    scene: &Scene,
+    baked: &[BakedTriangle],
+    settings: &Settings,
+    progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
+) -> Result<Report, VerifyError> {
+    scene.validate()?;
+    let tracer = Tracer::new(sides::triangles(scene));
+    let baked = Baked::new(baked, tracer.extent_m);
+    let emitters = Emitters::new(scene, &tracer);
+    let paths = Paths { scene, tracer: &tracer, emitters: &emitters };
+    let mut rng = Rng::with_seed(settings.seed);
+    let places = points::points(scene, &tracer, settings.points, &mut rng);
+    let seeds: Vec<u64> = places.iter().map(|_| rng.u64(..)).collect();
+    let side = (settings.paths as f64 / BATCHES as f64).sqrt().ceil().max(1.0) as usize;
+
+    let done = AtomicUsize::new(0);
+    let gathered: Vec<(Option<Rgb>, Gathered)> = places
+        .par_iter()
+        .zip(&seeds)
+        .map(|(place, &seed)| {
+            if progress(done.fetch_add(1, Ordering::Relaxed), places.len()).is_break() {
+                return Err(VerifyError::Cancelled);
+            }
+            Ok((baked.irradiance(place), paths.gather(place, side, seed)))
+        })
+        .collect::<Result<_, _>>()?;
+
+    let (mut compared, mut buried, mut uncovered, mut rays) = (Vec::new(), Vec::new(), 0, 0);
+    for (place, (shown, gathered)) in places.iter().zip(&gathered) {
+        rays += gathered.rays;
+        let hidden = !gathered.sees_a_side && gathered.batches.iter().all(|&batch| batch == Rgb::ZERO);
+        let point = |shown| CheckedPoint::new(place.position_m, place.normal, shown, &gathered.batches);
+        match shown {
+            // What is buried may be left out of a bake.
+            None if hidden => buried.push(point(Rgb::ZERO)),
+            None => uncovered += 1,
+            Some(shown) if hidden => buried.push(point(*shown)),
+            Some(shown) => compared.push(point(*shown)),
+        }
+    }
+    if compared.is_empty() {
+        return Err(VerifyError::NothingToCompare);
+    }
+    let paths = (places.len() * BATCHES * side * side) as u64;
+    Ok(Report::new(&compared, &buried, uncovered, paths, rays))
+}

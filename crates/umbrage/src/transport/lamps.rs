@@ -1,0 +1,77 @@
+//! Direct light of lamps: what arrives at a point, where an exact ray sees the lamp.
+
+use crate::prepare::Prepared;
+use crate::scene::{Lamp, Rgb, Scene};
+use crate::visibility::{ReceiverPoint, Visibility};
+
+/// The lamps of a scene, in the frame of its prepared faces.
+#[derive(Debug)]
+pub(super) struct Lamps {
+    lamps: Vec<Lamp>,
+    /// A ray of this length from anywhere inside the scene leaves it, in metres.
+    outside_m: f64,
+}
+
+/// The diagonal of a box is at most this many times its longest side, and a little for rounding.
+const DIAGONAL_OF_EXTENT: f64 = 1.75;
+
+impl Lamps {
+    pub(super) fn new(scene: &Scene, prepared: &Prepared) -> Self {
+        let lamps = scene.lamps.iter().cloned();
+        Self {
+            lamps: lamps.map(|lamp| lamp.moved(|p| p - prepared.origin_m, |d| d, 1.0)).collect(),
+            outside_m: DIAGONAL_OF_EXTENT * prepared.tolerance.extent_m,
+        }
+    }
+
+    /// Irradiance at a point, in W/m2.
+    pub(super) fn at(&self, visibility: &Visibility, receiver: &ReceiverPoint) -> Rgb {
+        let from = |lamp: &Lamp| {
+            let Some(arriving) = lamp.arriving(receiver.position_m) else { return Rgb::ZERO };
+            let cosine = receiver.normal.dot(arriving.towards);
+            let to_m = lamp.position_m().unwrap_or(receiver.position_m + self.outside_m * arriving.towards);
+            // Grazing light brings nothing, and whether it is seen is rounding.
+            if cosine <= 0.0 || visibility.occluded(receiver.position_m, to_m, [receiver.plane; 2]) {
+                return Rgb::ZERO;
+            }
+            cosine * arriving.irradiance
+        };
+        self.lamps.iter().map(from).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::id::FaceId;
+    use crate::scene::LampKind;
+    use crate::visibility::fixture::{self, square};
+    use glam::DVec3;
+
+    #[test]
+    fn lamps_light_what_they_see() {
+        let prepared = fixture::prepared(&[square(DVec3::ZERO, 2.0, true), square(DVec3::Z, 0.5, true)]);
+        let visibility = Visibility::new(&prepared);
+        let lit = |kind: LampKind, p: DVec3| {
+            let mut scene = Scene::default();
+            scene.lamps.push(Lamp { name: String::new(), kind });
+            let receiver = ReceiverPoint::on_face(&prepared, FaceId::from(0), p);
+            Lamps::new(&scene, &prepared).at(&visibility, &receiver).x
+        };
+        let lamp = LampKind::Point { position_m: DVec3::Z * 2.0, intensity: Rgb::ONE, range_m: None };
+        // The shadow of the plate is twice as large as it.
+        for (x, seen) in [(0.0, false), (0.999, false), (1.001, true), (1.9, true)] {
+            let squared: f64 = x * x + 4.0;
+            let truth = if seen { 2.0 / squared.sqrt() / squared } else { 0.0 };
+            assert!((lit(lamp, DVec3::X * x) - truth).abs() < 1e-15, "at {x}");
+        }
+        let slanted = DVec3::new(-0.6, 0.0, -0.8);
+        let sun = LampKind::Directional { direction: slanted, irradiance: Rgb::splat(5.0) };
+        // The plate's shadow is moved by 0.75.
+        for (x, seen) in [(-1.26, true), (-1.24, false), (-0.26, false), (-0.24, true)] {
+            assert!((lit(sun, DVec3::X * x) - if seen { 4.0 } else { 0.0 }).abs() < 1e-14, "at {x}");
+        }
+        let below = LampKind::Point { position_m: DVec3::NEG_Z, intensity: Rgb::ONE, range_m: None };
+        assert_eq!(lit(below, DVec3::X), 0.0);
+    }
+}
