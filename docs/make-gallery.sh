@@ -9,14 +9,14 @@ work=target/gallery
 mkdir -p "$work"
 
 "$umbrage" demo --quiet --out-dir "$work"
-"$umbrage" bake --quiet testdata/scenes/room.obj -o "$work/room.glb" --max-form-factor 0.2 --tolerance 0.05
+"$umbrage" bake --quiet testdata/scenes/room.obj -o "$work/room.glb" --max-form-factor 0.2 --tolerance 0.2
 
 box=(--width 480 --height 480)
 "$umbrage" render "$work/cornell.glb" -o "$pictures/gallery-cornell.png" "${box[@]}"
 "$umbrage" render "$work/cornell.glb" -o "$pictures/gallery-cornell-mesh.png" "${box[@]}" --wireframe
 "$umbrage" render "$work/cornell.glb" -o "$pictures/gallery-cornell-lux.png" "${box[@]}" --false-color lx
 
-room=(--width 640 --height 480 --eye 4.75,1.75,3.8 --target 1.6,0.9,1.2 --fov 62)
-"$umbrage" render "$work/room.glb" -o "$pictures/gallery-room.png" "${room[@]}" --exposure 2 --tone filmic
-"$umbrage" render "$work/room.glb" -o "$pictures/gallery-room-mesh.png" "${room[@]}" --exposure 2 --tone filmic --wireframe
+room=(--width 640 --height 480 --eye 4.2,1.75,3.85 --target 2.6,0.85,0.6 --fov 62)
+"$umbrage" render "$work/room.glb" -o "$pictures/gallery-room.png" "${room[@]}" --exposure 1.5 --tone filmic
+"$umbrage" render "$work/room.glb" -o "$pictures/gallery-room-mesh.png" "${room[@]}" --exposure 1.5 --tone filmic --wireframe
 "$umbrage" render "$work/room.glb" -o "$pictures/gallery-room-lux.png" "${room[@]}" --false-color lx

@@ -3,6 +3,7 @@
 use clap::Args;
 use umbrage::bake::BakeSettings;
 use umbrage::mesh::SplitScore;
+use umbrage::prepare::PrepareSettings;
 use umbrage::shade::ShadeSettings;
 
 /// How the mesh is refined.
@@ -24,9 +25,13 @@ pub(crate) struct MethodArgs {
     /// What makes a good cut of a patch: `eq1` is Eq. (1) of the paper as printed, `well-shaped` also shuns slivers
     #[arg(long, value_name = "SCORE", default_value_t)]
     score: SplitScore,
-    /// Do not cut along the edges of shadows: for comparison only
+    /// Cut neither along the edges of shadows nor where surfaces touch: for comparison only
     #[arg(long)]
     no_discontinuities: bool,
+    /// Do not cut surfaces where others touch or cross them: faster for scenes of many parts that overlap, but light leaks
+    /// along these lines
+    #[arg(long)]
+    no_intersect: bool,
     /// Do not put point split-hints into badly shaped patches: for comparison only
     #[arg(long)]
     keep_bad_shapes: bool,
@@ -42,6 +47,7 @@ impl MethodArgs {
             min_area_m2: self.min_area.or(default.min_area_m2),
             score: self.score,
             mend_bad_shapes: !self.keep_bad_shapes,
+            prepare: PrepareSettings { cut_contacts: !(self.no_intersect || self.no_discontinuities) },
             discontinuities: !self.no_discontinuities,
             shade: ShadeSettings { tolerance: self.tolerance, max_triangles },
             ..default
@@ -104,6 +110,8 @@ mod tests {
         let line = "bake --max-form-factor 0.5 --min-area 2 --score eq1 --no-discontinuities --keep-bad-shapes";
         let settings = Command::parse_from(line.split(' ')).method.settings();
         assert_eq!((settings.max_form_factor, settings.min_area_m2, settings.score), (0.5, Some(2.0), SplitScore::Eq1));
-        assert!(!settings.discontinuities && !settings.mend_bad_shapes);
+        assert!(!settings.discontinuities && !settings.prepare.cut_contacts && !settings.mend_bad_shapes);
+        let settings = Command::parse_from(["bake", "--no-intersect"]).method.settings();
+        assert!(settings.discontinuities && !settings.prepare.cut_contacts);
     }
 }

@@ -194,3 +194,77 @@ fn short(x: f64) -> String {
     }
     if (1e-3..1e6).contains(&x.abs()) { format!("{:.4}", x) } else { format!("{x:.3e}") }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use serde_json::Map;
+    use umbrage_formats::BakedFilePart;
+
+    use super::*;
+
+    /// A square of two triangles, one of them without light, `at` metres to the right.
+    fn square(at: f32, base: f32, texture: Option<BakedTexture>) -> BakedFilePart {
+        BakedFilePart {
+            node_name: String::new(),
+            name: String::new(),
+            material_name: String::new(),
+            positions_m: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| [at + x, y, 0.0]).into(),
+            normals: vec![[0.0, 0.0, 1.0]; 4],
+            color: vec![[0.0, 0.0, 0.0, 1.0], [0.5, 0.5, 0.5, 1.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]],
+            base_color: [base, base, base, 1.0],
+            texture,
+            uvs: if texture.is_some() { vec![[0.25, 0.75]; 4] } else { Vec::new() },
+            emission: None,
+            irradiance: vec![[at; 3]; 4],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+        }
+    }
+
+    fn file(parts: Vec<BakedFilePart>) -> BakedFile {
+        let images = vec![Vec::new(), b"image".to_vec()];
+        let (name, cameras) = (String::new(), Vec::new());
+        BakedFile { name, origin_m: DVec3::X, parts, cameras, images, exposure_k: 1.0, extras: Map::new() }
+    }
+
+    fn outside() -> Camera {
+        Camera::looking(DVec3::new(1.0, 0.0, 9.0), DVec3::X, 40.0)
+    }
+
+    fn indices(scene: &PageScene, from: usize) -> Vec<u32> {
+        let words = scene.tables[from..].chunks_exact(4);
+        words.map(|word| u32::from_le_bytes(word.try_into().unwrap())).collect()
+    }
+
+    #[test]
+    fn parts_of_one_look_are_one_and_what_has_no_light_comes_last() {
+        let scene =
+            lay_out(&file(vec![square(0.0, 0.5, None), square(2.0, 0.7, None), square(4.0, 0.5, None)]), &outside());
+        assert_eq!(
+            scene.about["materials"],
+            json!([
+                {"first": 0, "lit": 6, "dark": 6, "base": [0.5f32, 0.5f32, 0.5f32], "texture": null},
+                {"first": 12, "lit": 3, "dark": 3, "base": [0.7f32, 0.7f32, 0.7f32], "texture": null},
+            ])
+        );
+        // Twelve vertices of seven numbers, then the indices.
+        let expected = [[0, 1, 2, 8, 9, 10], [0, 2, 3, 8, 10, 11]].concat();
+        assert_eq!(indices(&scene, 12 * 7 * 4), [expected, vec![4, 5, 6, 4, 6, 7]].concat());
+        assert_eq!((&scene.about["low"], &scene.about["high"]), (&json!([0.0, 0.0, 0.0]), &json!([5.0, 1.0, 0.0])));
+        // Relative to the origin, which is at x = 1.
+        assert_eq!(scene.about["cameras"][0]["eye"], json!([0.0, 0.0, 9.0]));
+    }
+
+    #[test]
+    fn images_follow_the_tables_and_vertices_without_texture_have_a_place() {
+        let texture = BakedTexture { image: 1, wrap: [TextureWrap::Clamp, TextureWrap::Mirror] };
+        let scene = lay_out(&file(vec![square(0.0, 0.5, None), square(2.0, 0.5, Some(texture))]), &outside());
+        assert_eq!(scene.about["textures"], json!([{"bytes": 5, "wrap": ["CLAMP_TO_EDGE", "MIRRORED_REPEAT"]}]));
+        assert_eq!(scene.about["materials"][0]["texture"], json!(null));
+        assert_eq!(scene.about["materials"][1]["texture"], json!(0));
+        assert_eq!(scene.tables.len(), 8 * 9 * 4 + 12 * 4 + 5);
+        assert!(scene.tables.ends_with(b"image"));
+        let uvs = &scene.tables[8 * 7 * 4..8 * 9 * 4];
+        assert!(uvs[..32].iter().all(|byte| *byte == 0) && uvs[32..36] == 0.25f32.to_le_bytes());
+    }
+}

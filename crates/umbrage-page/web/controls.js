@@ -235,7 +235,8 @@ element("facts").replaceChildren(...about.facts.flatMap(([name, value]) => {
 }));
 element("camera").replaceChildren(...about.cameras.map(({ name }, number) => new Option(name, number)));
 element("camera-row").hidden = about.cameras.length < 2;
-if (window.innerWidth < 700) element("controls").open = false;
+// Where there is little room, the panel would hide the scene.
+if (window.innerWidth < 1000) element("controls").open = false;
 
 if (!gl) {
   fail("This page needs WebGL 2, which this browser or its graphics driver does not offer.");

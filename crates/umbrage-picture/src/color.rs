@@ -77,8 +77,11 @@ impl Tone {
 
 /// A colour as it is displayed: times `exposure`, through the tone curve, within what a screen can show.
 pub fn displayed(color: LinearRgb, exposure: f32, tone: Tone) -> LinearRgb {
-    // `max` takes the 0 where the other is NaN.
-    color.map(|c| tone.apply((c * exposure).max(0.0).min(LARGEST)))
+    color.map(|c| {
+        let light = c * exposure;
+        // NaN is not above 0.
+        tone.apply(if light > 0.0 { light.min(LARGEST) } else { 0.0 })
+    })
 }
 
 /// Light of a linear component, 0 to 1, encoded for an sRGB screen, 0 to 1.
@@ -107,8 +110,8 @@ pub fn linear_from_srgb8(code: [u8; 3]) -> LinearRgb {
 /// The colour `at` of a scale, 0 to 1, clipped: straight between its stops in sRGB codes, as a style sheet's gradient is.
 pub fn on_scale(stops: &[[u8; 3]], at: f32) -> LinearRgb {
     let last = stops.len() - 1;
-    // NaN becomes 0.
-    let place = f64::from(at.max(0.0).min(1.0)) * last as f64;
+    // NaN is not above 0.
+    let place = if at > 0.0 { f64::from(at.min(1.0)) * last as f64 } else { 0.0 };
     let from = (place as usize).min(last.saturating_sub(1));
     let share = place - from as f64;
     std::array::from_fn(|channel| {

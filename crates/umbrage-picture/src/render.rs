@@ -347,7 +347,7 @@ mod tests {
             triangles: vec![[0, 1, 2], [0, 2, 3]],
         };
         let size = 201;
-        let picture = render(&[mesh.clone()], &[], &camera(), &plain(size, size)).unwrap();
+        let picture = render(std::slice::from_ref(&mesh), &[], &camera(), &plain(size, size)).unwrap();
         for column in [60, 80, 100, 120, 140] {
             let s = (column as f64 + 0.5) / (size as f64 / 2.0) - 1.0;
             let t = (2.0 * s + 1.0) / (4.0 * (1.0 - s));

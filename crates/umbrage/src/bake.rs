@@ -21,7 +21,7 @@ use glam::DVec3;
 use crate::discontinuity::{self, Discontinuities};
 use crate::geometry::polygon;
 use crate::mesh::{Mesh, MeshSettings, SplitScore};
-use crate::prepare::{self, PrepareError, PrepareReport, Prepared};
+use crate::prepare::{self, PrepareError, PrepareReport, PrepareSettings, Prepared};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Scene, SceneError};
 use crate::shade::{self, BakedMesh, Irradiance, ShadeSettings};
@@ -46,6 +46,8 @@ pub struct BakeSettings {
     pub score: SplitScore,
     /// Whether badly shaped patches get point split-hints.
     pub mend_bad_shapes: bool,
+    /// How faces are made.
+    pub prepare: PrepareSettings,
     /// Whether shadow boundaries are calculated and cut into the mesh.
     pub discontinuities: bool,
     /// When the iteration ends.
@@ -61,6 +63,7 @@ impl Default for BakeSettings {
             min_area_m2: None,
             score: SplitScore::default(),
             mend_bad_shapes: true,
+            prepare: PrepareSettings::default(),
             discontinuities: true,
             solve: SolveSettings::default(),
             shade: ShadeSettings::default(),
@@ -168,7 +171,7 @@ impl Clock {
 pub fn bake(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> Result<Bake, BakeError> {
     let mut clock = Clock::start();
     scene.validate()?;
-    let prepared = prepare::prepare(scene, progress)?;
+    let prepared = prepare::prepare_with(scene, settings.prepare, progress)?;
     check(|| prepared.validate().map_err(|error| error.to_string()));
     let visibility = Visibility::new(&prepared);
     clock.end_of(Stage::Prepare);

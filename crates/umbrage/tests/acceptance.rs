@@ -32,18 +32,18 @@ fn holds(name: &str, scene: &Scene, most_error: f64, most_triangles: usize) {
 }
 
 #[test]
-fn the_cornell_box_is_right_to_3_percent() {
-    holds("cornell", &cornell::cornell_box(), 0.03, 12_000);
+fn the_cornell_box_is_right_to_1_percent() {
+    holds("cornell", &cornell::cornell_box(), 0.01, 10_000);
 }
 
 #[test]
-fn a_square_occluders_penumbra_is_right_to_1_percent() {
-    holds("occluder", &scene("occluder"), 0.01, 2_000);
+fn a_square_occluders_penumbra_is_right_to_half_a_percent() {
+    holds("occluder", &scene("occluder"), 0.005, 2_500);
 }
 
 #[test]
-fn touching_boxes_are_right_to_3_percent_and_do_not_leak() {
-    holds("touching", &scene("touching"), 0.03, 20_000);
+fn touching_boxes_are_right_to_1_percent_and_do_not_leak() {
+    holds("touching", &scene("touching"), 0.01, 15_000);
 }
 
 #[test]

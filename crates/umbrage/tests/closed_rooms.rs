@@ -80,7 +80,7 @@ fn cie_5_8_errors(rho: f64) -> [f64; 2] {
 }
 
 #[test]
-#[ignore = "the mean is off by -1.0 % at rho 0.3, +0.7 % at 0.9, +3.4 % at 0.95"]
+#[ignore = "the mean is off by -1.3 % at rho 0.3, +1.1 % at 0.9, +3.5 % at 0.95"]
 fn cie_171_5_8_means_are_right() {
     let mut worst: f64 = 0.0;
     for rho in [0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95] {
@@ -164,7 +164,7 @@ fn wards_errors() -> Vec<f64> {
 }
 
 #[test]
-#[ignore = "up to 2.8 % at the ten points, five of them within 0.5 %"]
+#[ignore = "up to 2.2 % at the ten points, three of them within 0.5 %"]
 fn wards_room_is_right_at_all_ten_points() {
     let errors = wards_errors();
     println!("Ward's room: {errors:+.4?}");

@@ -37,4 +37,4 @@ mod weld;
 pub use error::PrepareError;
 pub use face::{DirectedEdge, Edge, Face, Facing, PrepareReport, Prepared, PreparedError, Side};
 pub use shell::{Shells, shells};
-pub use stages::prepare;
+pub use stages::{PrepareSettings, prepare, prepare_with};

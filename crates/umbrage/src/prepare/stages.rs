@@ -26,12 +26,37 @@ use crate::scene::Scene;
 /// Steps that progress is told in.
 const STEPS: usize = 7;
 
-/// Makes faces of a scene that is valid: see [`Prepared`] for what they promise.
+/// How faces are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PrepareSettings {
+    /// Whether surfaces are cut where others touch or cross them. Without, light leaks along these lines.
+    pub cut_contacts: bool,
+}
+
+impl Default for PrepareSettings {
+    fn default() -> Self {
+        Self { cut_contacts: true }
+    }
+}
+
+/// Makes faces of a scene that is valid, with the default settings: see [`Prepared`] for what they promise.
+///
+/// # Errors
+/// See [`prepare_with`].
+pub fn prepare(scene: &Scene, progress: Progress<'_>) -> Result<Prepared, PrepareError> {
+    prepare_with(scene, PrepareSettings::default(), progress)
+}
+
+/// Makes faces of a scene that is valid.
 ///
 /// # Errors
 /// [`PrepareError::Extent`] and [`PrepareError::NoArea`] for scenes that cannot be held or have nothing to light, and
 /// [`PrepareError::Cancelled`].
-pub fn prepare(scene: &Scene, progress: Progress<'_>) -> Result<Prepared, PrepareError> {
+pub fn prepare_with(
+    scene: &Scene,
+    settings: PrepareSettings,
+    progress: Progress<'_>,
+) -> Result<Prepared, PrepareError> {
     let pulse = |step: usize| progress.report(Stage::Prepare, step, STEPS);
     pulse(0)?;
     let mut report = PrepareReport::default();
@@ -50,7 +75,11 @@ pub fn prepare(scene: &Scene, progress: Progress<'_>) -> Result<Prepared, Prepar
     pulse(1)?;
     let planes = coplanar::planes(&soup, &points, &tolerance);
     pulse(2)?;
-    let contacts = contact::contacts(&soup, &planes, &mut points, &tolerance, &mut report.dropped_cuts, || pulse(2))?;
+    let contacts = if settings.cut_contacts {
+        contact::contacts(&soup, &planes, &mut points, &tolerance, &mut report.dropped_cuts, || pulse(2))?
+    } else {
+        Vec::new()
+    };
     pulse(3)?;
     let mut segments = Segments::default();
     for (polygon, &(plane, _)) in soup.iter().zip(&planes.of_polygon) {

@@ -100,12 +100,12 @@ impl<'a> Irradiance<'a> {
         for source in self.faces.keys() {
             let most = self.most_from(receiver, source);
             if most >= self.weak {
-                sum += self.from_face(receiver, source);
+                sum += self.by_face(receiver, source);
             } else if most > 0.0 {
                 weak.push(source);
             }
         }
-        (sum + self.from_weak(receiver.position_m, face, &weak)).max(Rgb::ZERO)
+        (sum + self.by_links(receiver.position_m, face, &weak)).max(Rgb::ZERO)
     }
 
     /// The most that a face could bring, in W/m2, if nothing stood between and it were as bright as its brightest spot; a
@@ -127,7 +127,7 @@ impl<'a> Irradiance<'a> {
     }
 
     /// What comes over the links of a point's leaf and of the leaf's ancestors from the faces in `weak`, which are in order.
-    fn from_weak(&self, position_m: DVec3, face: FaceId, weak: &[FaceId]) -> Rgb {
+    fn by_links(&self, position_m: DVec3, face: FaceId, weak: &[FaceId]) -> Rgb {
         let frame = self.mesh.frame(face);
         let at_m = frame.to_2d(position_m);
         let mut sum = Rgb::ZERO;
@@ -150,7 +150,7 @@ impl<'a> Irradiance<'a> {
     }
 
     /// Irradiance by what a face reflects.
-    fn from_face(&self, receiver: &ReceiverPoint, face: FaceId) -> Rgb {
+    fn by_face(&self, receiver: &ReceiverPoint, face: FaceId) -> Rgb {
         let part: Part = match self.visibility.visible_part(receiver, &self.faces[face].polygon) {
             VisiblePart::Nothing => return Rgb::ZERO,
             VisiblePart::Whole(corners_m) => smallvec![corners_m],
