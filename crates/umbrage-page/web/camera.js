@@ -85,8 +85,9 @@ function depths() {
   return [Math.max(Math.sqrt(near) * 0.5, far * 1e-3), far];
 }
 
-// From the world to the clip space of WebGL, column by column.
-function clipFromWorld(aspect) {
+// From the world to the clip space of WebGL, column by column. Depth is as if all were `farther` times its distance farther
+// away; it stays where it is on the screen.
+function clipFromWorld(aspect, farther) {
   const { right, up, ahead } = frame();
   const [near, far] = depths();
   const focal = 1 / Math.tan((camera.fov * DEGREE) / 2);
@@ -97,7 +98,7 @@ function clipFromWorld(aspect) {
     ahead,
   ];
   const moved = rows.map((row) => -dot(row, camera.eye));
-  moved[2] -= (2 * far * near) / (far - near);
+  moved[2] -= (2 * far * near) / (far - near) / (1 + farther);
   return new Float32Array([0, 1, 2].flatMap((i) => rows.map((row) => row[i])).concat(moved));
 }
 

@@ -1,7 +1,10 @@
 // Drawing: one vertex array for surfaces, another without shared vertices for triangles, made when it is first needed.
 //
 // Where one thing stands on another, the covered area is black, and its border is as near as what covers it. So that no
-// black comes through there, triangles without any light are drawn last, and as if they were a little farther away.
+// black comes through there, triangles without any light are drawn last, and as if they were a little farther away: by a
+// share of their distance, and by what their depth changes over some pixels.
+const DARK_FARTHER = 1e-3;
+const DARK_FARTHER_PX = 4;
 
 const canvas = document.getElementById("view");
 const shown = { show: 0, filmic: false, exposure: 1, wire: false, scaleEnd: about.scaleEnd };
@@ -91,7 +94,7 @@ function prepare() {
   scene = { uniforms, surfaces, wires: null, textures: about.textures.map((_, number) => texture(number)) };
   gl.enable(gl.DEPTH_TEST);
   gl.enable(gl.CULL_FACE);
-  gl.polygonOffset(2, 64);
+  gl.polygonOffset(DARK_FARTHER_PX, 0);
   gl.clearColor(...about.background, 1);
 }
 
@@ -100,7 +103,6 @@ function draw() {
   const { uniforms } = scene;
   gl.viewport(0, 0, canvas.width, canvas.height);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-  gl.uniformMatrix4fv(uniforms.clipFromWorld, false, clipFromWorld(canvas.width / canvas.height));
   gl.uniform1i(uniforms.show, shown.show);
   gl.uniform1i(uniforms.filmic, shown.filmic ? 1 : 0);
   gl.uniform1f(uniforms.exposure, shown.exposure);
@@ -111,6 +113,8 @@ function draw() {
   for (const dark of [false, true]) {
     if (dark) gl.enable(gl.POLYGON_OFFSET_FILL);
     else gl.disable(gl.POLYGON_OFFSET_FILL);
+    const matrix = clipFromWorld(canvas.width / canvas.height, dark ? DARK_FARTHER : 0);
+    gl.uniformMatrix4fv(uniforms.clipFromWorld, false, matrix);
     for (const { first, lit, dark: unlit, base, texture: number } of about.materials) {
       const [begin, count] = dark ? [first + lit, unlit] : [first, lit];
       if (count === 0) continue;

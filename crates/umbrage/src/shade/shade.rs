@@ -24,7 +24,7 @@ use crate::visibility::ReceiverPoint;
 const INDIRECT_SHARE: f64 = 0.3;
 /// The share of the tolerance that linear interpolation of all light may take: what is left is for the errors of the
 /// light itself.
-const LINEAR_SHARE: f64 = 0.6;
+const LINEAR_SHARE: f64 = 0.5;
 
 /// How finely light is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
