@@ -74,9 +74,6 @@ impl Default for BakeSettings {
 impl BakeSettings {
     /// d-segments weaker than this share of the mean irradiance are not looked at.
     fn weak_share(&self) -> f64 {
-        if let Ok(k) = std::env::var("WEAKK") {
-            return k.parse().unwrap_or(0.0);
-        }
         if self.shade.tolerance.is_finite() { WEAK_OF_TOLERANCE * self.shade.tolerance } else { 0.0 }
     }
 

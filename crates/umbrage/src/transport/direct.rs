@@ -14,7 +14,7 @@ use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility};
 use super::fit::Linear;
 use super::form_factor::point_to_visible_part;
 use super::lamps::Lamps;
-use super::sample::{self, Rule};
+use super::sample;
 use rayon::prelude::*;
 
 /// An emitting face.
@@ -63,7 +63,7 @@ impl<'a> DirectLight<'a> {
         let face = mesh.patch(patch).face;
         let frame = mesh.frame(face);
         let centre = frame.to_2d(mesh.patch(patch).centroid_m);
-        Linear::fit(sample::points(&mesh.polygon_m(patch), Rule::Six).into_iter().map(|(point_m, weight)| {
+        Linear::fit(sample::points(&mesh.polygon_m(patch)).into_iter().map(|(point_m, weight)| {
             let receiver = ReceiverPoint::on_face(self.prepared, face, point_m);
             (frame.to_2d(point_m) - centre, weight, self.at(&receiver))
         }))

@@ -5,7 +5,9 @@
 //! - weak ends are constant to one another, and a ray or four tell what they see of one another;
 //! - ends in clear sight have the double contour integral where they are near, samples on the smaller where they are far;
 //! - of ends with something between, sixteen rays tell the share that is seen;
-//! - of strong ones the exact visible part is averaged.
+//! - of strong ones rays between all their sample points tell what each point sees.
+//!
+//! Rays will do: links carry only what is reflected, and what is shown of that is gathered once more, with exact visibility.
 
 use std::f64::consts::PI;
 
@@ -13,13 +15,13 @@ use glam::{DVec2, DVec3};
 
 use super::contour;
 use super::fit::Linear;
-use super::form_factor::{point_to_polygon, point_to_visible_part};
+use super::form_factor::point_to_polygon;
 use super::link::{Link, Node};
-use super::sample::{self, Rule};
+use super::sample;
 use crate::geometry::{PlaneFrame, clip, polygon};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
-use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility};
+use crate::visibility::{SourcePolygon, Visibility};
 
 /// One end of a link, with what its factors need.
 #[derive(Debug)]
@@ -57,8 +59,8 @@ const FAR_RADII: f64 = 6.0;
 const FAINT_FACTOR: f64 = 0.001;
 /// Ends whose form factors are below this are constant to one another too, and four rays tell how much they see.
 const WEAK_FACTOR: f64 = 0.005;
-/// Partly hidden ends whose form factors are below this see a share of one another that sixteen rays tell; above it the
-/// exact visible part is averaged.
+/// Partly hidden ends whose form factors are below this see a share of one another that sixteen rays tell; above it each
+/// sample point has its own rays.
 const STRONG_FACTOR: f64 = 0.05;
 
 /// The links between two nodes, one each way.
@@ -70,22 +72,21 @@ pub(super) fn link_both_ways(prepared: &Prepared, visibility: &Visibility, mesh:
         return weak_links(visibility, &first, &second, rays);
     }
     let hidden = visibility.may_be_blocked(&first.polygon, &second.polygon);
-    if !hidden || most < STRONG_FACTOR {
-        let clear = clear_links(&first, &second);
-        return if hidden { shaded(clear, visible_share(visibility, &first, &second)) } else { clear };
-    }
-    let fits = [first.visible_fit(visibility, &second), second.visible_fit(visibility, &first)];
-    let exchange_m2 = smaller_exchange_m2(&first, &second, &fits);
-    links_of(&first, &second, exchange_m2, fits)
-}
-
-/// The links between ends in clear sight of one another.
-fn clear_links(first: &End, second: &End) -> [Link; 2] {
-    let fits = [first.clear_fit(second), second.clear_fit(first)];
-    let near = f64::min(first.radii_to(second), second.radii_to(first)) < FAR_RADII;
+    let clear = first.clear_fits(&second);
+    let near = f64::min(first.radii_to(&second), second.radii_to(&first)) < FAR_RADII;
     let exchange_m2 =
-        if near { first.clear_exchange_area_m2(second) } else { smaller_exchange_m2(first, second, &fits) };
-    links_of(first, second, exchange_m2, fits)
+        if near { first.clear_exchange_area_m2(&second) } else { smaller_exchange_m2(&first, &second, &clear) };
+    if !hidden {
+        return links_of(&first, &second, exchange_m2, clear);
+    }
+    if most < STRONG_FACTOR {
+        let share = visible_share(visibility, &first, &second);
+        return links_of(&first, &second, share * exchange_m2, clear.map(|fit| dimmed(fit, share)));
+    }
+    let seen = first.seen_fits(visibility, &second);
+    let clear_m2 = smaller_exchange_m2(&first, &second, &clear);
+    let share = if clear_m2 > 0.0 { smaller_exchange_m2(&first, &second, &seen) / clear_m2 } else { 0.0 };
+    links_of(&first, &second, share * exchange_m2, seen)
 }
 
 /// Form factor times area, the same both ways, from the mean over the smaller end.
@@ -104,14 +105,9 @@ fn links_of(first: &End, second: &End, exchange_m2: f64, fits: [Linear<f64>; 2])
     })
 }
 
-/// Clear links of which only a share is seen.
-fn shaded(links: [Link; 2], share: f64) -> [Link; 2] {
-    links.map(|link| Link {
-        form_factor: share * link.form_factor,
-        gradient: share as f32 * link.gradient,
-        moment_factor: share as f32 * link.moment_factor,
-        ..link
-    })
+/// A fit of which only a share is seen.
+fn dimmed(fit: Linear<f64>, share: f64) -> Linear<f64> {
+    Linear { mean: share * fit.mean, gradient: fit.gradient.map(|slope| share * slope) }
 }
 
 /// Points on each end between which rays are sent.
@@ -171,25 +167,53 @@ impl End {
         )
     }
 
-    /// The best linear fit to the factor of this end's points to `source`, as if nothing stood between.
-    fn clear_fit(&self, source: &End) -> Linear<f64> {
-        let normal = self.polygon.oriented_plane.normal;
-        self.fit(Rule::Six, |position_m| point_to_polygon(position_m, normal, &source.polygon.corners_m))
+    /// The best linear fits to the factors of each end's points to the other end, as if nothing stood between.
+    fn clear_fits(&self, other: &End) -> [Linear<f64>; 2] {
+        [(self, other), (other, self)]
+            .map(|(receiver, source)| receiver.fit(|_, position_m| receiver.factor_to(position_m, source)))
     }
 
-    /// The best linear fit to the visible factor of this end's points to `source`.
-    fn visible_fit(&self, visibility: &Visibility, source: &End) -> Linear<f64> {
-        let (normal, plane) = (self.polygon.oriented_plane.normal, self.polygon.plane);
-        self.fit(sample::rule_past_occluders(self.radii_to(source)), |position_m| {
-            let part = visibility.visible_part(&ReceiverPoint { position_m, normal, plane }, &source.polygon);
-            point_to_visible_part(position_m, normal, &part)
-        })
+    /// The best linear fits to the factors of each end's points to the other end, of which they see as much as rays to the
+    /// other's points tell.
+    fn seen_fits(&self, visibility: &Visibility, other: &End) -> [Linear<f64>; 2] {
+        let [mine, others] = [self, other].map(|end| sample::points(&end.polygon.corners_m));
+        let passing = [self.polygon.plane, other.polygon.plane];
+        let normals = [self, other].map(|end| end.polygon.oriented_plane.normal);
+        // What could pass between two points, and whether it does.
+        let exchange = |i: usize, j: usize| {
+            let along = others[j].0 - mine[i].0;
+            let cosines = normals[0].dot(along).max(0.0) * -normals[1].dot(along).min(0.0);
+            let could = mine[i].1 * others[j].1 * cosines / along.length_squared().powi(2);
+            let does = could > 0.0 && !visibility.occluded(mine[i].0, others[j].0, passing);
+            (could, if does { could } else { 0.0 })
+        };
+        let exchanges: Vec<Vec<(f64, f64)>> =
+            (0..mine.len()).map(|i| (0..others.len()).map(|j| exchange(i, j)).collect()).collect();
+        let share = |pairs: &mut dyn Iterator<Item = (f64, f64)>| {
+            let (could, does) = pairs.fold((0.0, 0.0), |(could, does), pair| (could + pair.0, does + pair.1));
+            if could > 0.0 { does / could } else { 0.0 }
+        };
+        [
+            self.fit(|i, position_m| share(&mut exchanges[i].iter().copied()) * self.factor_to(position_m, other)),
+            other.fit(|j, position_m| {
+                share(&mut exchanges.iter().map(|row| row[j])) * other.factor_to(position_m, self)
+            }),
+        ]
     }
 
-    fn fit(&self, rule: Rule, factor: impl Fn(DVec3) -> f64) -> Linear<f64> {
+    /// Factor of a point of this end to all of another.
+    fn factor_to(&self, position_m: DVec3, source: &End) -> f64 {
+        point_to_polygon(position_m, self.polygon.oriented_plane.normal, &source.polygon.corners_m)
+    }
+
+    /// The best linear fit to a factor of this end's sample points, by number and position.
+    fn fit(&self, factor: impl Fn(usize, DVec3) -> f64) -> Linear<f64> {
         let plane = self.polygon.oriented_plane;
-        Linear::fit(sample::points(&self.polygon.corners_m, rule).into_iter().map(|(point_m, weight)| {
-            (self.frame.to_2d(point_m) - self.frame.to_2d(self.centroid_m), weight, factor(plane.project(point_m)))
-        }))
+        Linear::fit(sample::points(&self.polygon.corners_m).into_iter().enumerate().map(
+            |(number, (point_m, weight))| {
+                let offset_m = self.frame.to_2d(point_m) - self.frame.to_2d(self.centroid_m);
+                (offset_m, weight, factor(number, plane.project(point_m)))
+            },
+        ))
     }
 }
