@@ -1,9 +1,12 @@
 //! Irradiance at a point: direct light exactly, the rest from the hierarchy.
 //!
-//! Indirect light is gathered from all faces that matter. Of each, the part that the point sees is found exactly, and what
-//! that part reflects is summed down the face's patches ([`Reflected`]). So a shadow in indirect light is as sharp as it is,
-//! and no light passes a wall, however coarse the links are. Faces that bring next to nothing are taken from the links of
-//! the point's leaf and of its ancestors, linear over their receivers.
+//! Indirect light is gathered from all faces, from each as exactly as it can matter there:
+//! - of a strong one the part that the point sees is found exactly, and what that part reflects is summed down the face's
+//!   patches ([`Reflected`]). So a shadow in indirect light is as sharp as it is, however coarse the links are;
+//! - of a weak one the whole factor is exact, and a few rays tell how much of it is seen;
+//! - faint ones are taken from the links of the point's leaf and of its ancestors, linear over their receivers.
+//!
+//! No light passes a wall either way.
 //!
 //! Before: a point lies inside its triangle, never on an edge or a contact: there the limit depends on the direction, and
 //! the caller chooses it by where it puts the point.
@@ -24,9 +27,16 @@ use crate::transport::form_factor::point_to_polygon;
 use crate::transport::{DirectLight, Links};
 use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility, VisiblePart};
 
-/// A face that could not bring more than this share of the mean irradiance is weak: what the linear form of its links
+/// A face that could not bring more than this share of the mean irradiance is weak: what a few rays err about the part of
+/// it that is seen is a fraction of that, and independent from face to face.
+const WEAK_OF_MEAN: f64 = 2e-2;
+/// Below this share of the mean irradiance one ray tells whether a weak face is seen.
+const ONE_RAY_OF_MEAN: f64 = 5e-3;
+/// A face that could not bring more than this share of the mean irradiance is faint: what the linear form of its links
 /// errs is a part of that.
-const WEAK_OF_MEAN: f64 = 5e-3;
+const FAINT_OF_MEAN: f64 = 1e-3;
+/// Rays to a weak face above that.
+const RAYS: usize = 4;
 
 /// Evaluates irradiance at points.
 #[derive(Debug)]
@@ -39,8 +49,6 @@ pub struct Irradiance<'a> {
     faces: Table<FaceId, ReflectingFace>,
     /// Mean irradiance of all faces, in W/m2.
     mean: f64,
-    /// A face that could not bring more is weak, in W/m2.
-    weak: f64,
 }
 
 /// A face as a source.
@@ -81,7 +89,7 @@ impl<'a> Irradiance<'a> {
             }
         };
         let faces = prepared.faces.keys().map(reflecting).collect();
-        Self { visibility, mesh, links, direct, reflected, faces, mean, weak: WEAK_OF_MEAN * mean }
+        Self { visibility, mesh, links, direct, reflected, faces, mean }
     }
 
     /// Mean irradiance of all faces, over the three colours, in W/m2.
@@ -96,42 +104,32 @@ impl<'a> Irradiance<'a> {
 
     /// Irradiance by reflection, in W/m2, at a point of `face`.
     pub fn indirect(&self, receiver: &ReceiverPoint, face: FaceId) -> Rgb {
-        let (mut sum, mut weak) = (Rgb::ZERO, Vec::new());
-        for source in self.faces.keys() {
-            let most = self.most_from(receiver, source);
-            if most >= self.weak {
-                sum += self.by_face(receiver, source);
-            } else if most > 0.0 {
-                weak.push(source);
+        let (mut sum, mut faint) = (Rgb::ZERO, Vec::new());
+        for (source, reflecting) in self.faces.iter_enumerated() {
+            let faint_below = FAINT_OF_MEAN / reflecting.greatest * self.mean;
+            match reflecting.factor(receiver, faint_below) {
+                None => {}
+                Some(factor) if factor < faint_below => faint.push(source),
+                Some(factor) => {
+                    let most_of_mean = reflecting.greatest * factor / self.mean;
+                    sum += if most_of_mean >= WEAK_OF_MEAN {
+                        self.by_visible_part(receiver, source)
+                    } else {
+                        factor
+                            * self.seen_by_rays(receiver, source, if most_of_mean < ONE_RAY_OF_MEAN { 1 } else { RAYS })
+                    };
+                }
             }
         }
-        (sum + self.by_links(receiver.position_m, face, &weak)).max(Rgb::ZERO)
+        (sum + self.by_links(receiver.position_m, face, &faint)).max(Rgb::ZERO)
     }
 
-    /// The most that a face could bring, in W/m2, if nothing stood between and it were as bright as its brightest spot; a
-    /// rougher bound where that is weak.
-    fn most_from(&self, receiver: &ReceiverPoint, source: FaceId) -> f64 {
-        let face = &self.faces[source];
-        let faces = face.greatest > 0.0
-            && receiver.plane != face.polygon.plane
-            && face.polygon.oriented_plane.signed_distance_m(receiver.position_m) > 0.0;
-        if !faces {
-            return 0.0;
-        }
-        let apart_m = receiver.position_m.distance(face.middle_m) - face.radius_m;
-        let bound = face.greatest * face.area_m2 / (PI * apart_m * apart_m);
-        if apart_m > 0.0 && bound < self.weak {
-            return bound;
-        }
-        face.greatest * point_to_polygon(receiver.position_m, receiver.normal, &face.polygon.corners_m)
-    }
-
-    /// What comes over the links of a point's leaf and of the leaf's ancestors from the faces in `weak`, which are in order.
-    fn by_links(&self, position_m: DVec3, face: FaceId, weak: &[FaceId]) -> Rgb {
+    /// What comes over the links of a point's leaf and of the leaf's ancestors from the faces in `faint`, which are in order.
+    fn by_links(&self, position_m: DVec3, face: FaceId, faint: &[FaceId]) -> Rgb {
         let frame = self.mesh.frame(face);
         let at_m = frame.to_2d(position_m);
         let mut sum = Rgb::ZERO;
-        if weak.is_empty() {
+        if faint.is_empty() {
             return sum;
         }
         let mut node = Some(self.mesh.leaf_at(face, position_m));
@@ -139,7 +137,7 @@ impl<'a> Irradiance<'a> {
             let patch = self.mesh.patch(receiver);
             let away_m = at_m - frame.to_2d(patch.centroid_m);
             for link in self.links.of(receiver) {
-                if weak.binary_search(&self.mesh.patch(link.source).face).is_ok() {
+                if faint.binary_search(&self.mesh.patch(link.source).face).is_ok() {
                     let factor = link.form_factor + link.gradient.as_dvec2().dot(away_m);
                     sum += factor * self.reflected.mean(link.source);
                 }
@@ -149,14 +147,60 @@ impl<'a> Irradiance<'a> {
         sum
     }
 
-    /// Irradiance by what a face reflects.
-    fn by_face(&self, receiver: &ReceiverPoint, face: FaceId) -> Rgb {
+    /// What a point sees a face reflect, on average over all of the face above the horizon, in W/m2.
+    fn seen_by_rays(&self, receiver: &ReceiverPoint, face: FaceId, rays: usize) -> Rgb {
+        let ReflectingFace { polygon, middle_m, .. } = &self.faces[face];
+        let root = self.mesh.root(face);
+        let (mut whole, mut seen) = (0.0, Rgb::ZERO);
+        for ray in 0..rays {
+            let corner_m = polygon.corners_m[ray * polygon.corners_m.len() / rays];
+            let at_m = if rays == 1 { *middle_m } else { middle_m.midpoint(corner_m) };
+            let along = at_m - receiver.position_m;
+            let cosines = receiver.normal.dot(along).max(0.0) * -polygon.oriented_plane.normal.dot(along);
+            let exchange = cosines / along.length_squared().powi(2);
+            whole += exchange;
+            if exchange > 0.0 && !self.visibility.occluded(receiver.position_m, at_m, [receiver.plane, polygon.plane]) {
+                seen += exchange * self.reflected.at(root, at_m);
+            }
+        }
+        if whole > 0.0 { seen / whole } else { Rgb::ZERO }
+    }
+
+    /// Irradiance by what the visible part of a face reflects.
+    fn by_visible_part(&self, receiver: &ReceiverPoint, face: FaceId) -> Rgb {
         let part: Part = match self.visibility.visible_part(receiver, &self.faces[face].polygon) {
             VisiblePart::Nothing => return Rgb::ZERO,
             VisiblePart::Whole(corners_m) => smallvec![corners_m],
             VisiblePart::Part(contours) => contours.iter().map(<[DVec3]>::to_vec).collect(),
         };
         self.reflected.by(receiver, self.mesh.root(face), &part)
+    }
+}
+
+impl ReflectingFace {
+    /// Factor of a point to the face, if nothing stood between, or a bound of it that is below `faint_below`; `None` where
+    /// the face does not face the point, or reflects nothing.
+    fn factor(&self, receiver: &ReceiverPoint, faint_below: f64) -> Option<f64> {
+        let SourcePolygon { corners_m, oriented_plane, plane } = &self.polygon;
+        let height_m = oriented_plane.signed_distance_m(receiver.position_m);
+        if self.greatest <= 0.0 || height_m <= 0.0 || receiver.plane == *plane {
+            return None;
+        }
+        let to_middle = self.middle_m - receiver.position_m;
+        let rise_m = receiver.normal.dot(to_middle) + self.radius_m;
+        if rise_m <= 0.0 {
+            return None;
+        }
+        // All points of the face are at least so far away: more than the square of it bounds the cosines too.
+        let apart_m = to_middle.length() - self.radius_m;
+        if apart_m > 0.0 {
+            let cosines = (height_m / apart_m).min(1.0) * (rise_m / apart_m).min(1.0);
+            let bound = self.area_m2 * cosines / (PI * apart_m * apart_m);
+            if bound < faint_below {
+                return Some(bound);
+            }
+        }
+        Some(point_to_polygon(receiver.position_m, receiver.normal, corners_m)).filter(|&factor| factor > 0.0)
     }
 }
 

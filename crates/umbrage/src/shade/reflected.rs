@@ -84,6 +84,13 @@ impl<'a> Reflected<'a> {
         self.radiosity[patch].mean
     }
 
+    /// What a patch reflects at a point of its plane, by its linear fit, in W/m2.
+    pub(super) fn at(&self, patch: PatchId, point_m: DVec3) -> Rgb {
+        let node = self.mesh.patch(patch);
+        let frame = self.mesh.frame(node.face);
+        self.radiosity[patch].at(frame.to_2d(point_m) - frame.to_2d(node.centroid_m)).max(Rgb::ZERO)
+    }
+
     /// The most that a patch reflects anywhere, in the brightest colour, in W/m2.
     pub(super) fn greatest(&self, patch: PatchId) -> f64 {
         let Variation { linear, departure } = self.variation[patch];
@@ -155,12 +162,8 @@ impl<'a> Reflected<'a> {
 
     /// A patch's linear fit at the middle of a part of it, as seen from a point.
     fn radiosity_of(&self, receiver: &ReceiverPoint, patch: PatchId, part: &Part) -> Rgb {
-        let frame = self.mesh.frame(self.mesh.patch(patch).face);
-        let Some(middle_m) = seen_middle_m(receiver, part, frame.plane.normal) else {
-            return self.radiosity[patch].mean;
-        };
-        let offset_m = frame.to_2d(middle_m) - frame.to_2d(self.mesh.patch(patch).centroid_m);
-        self.radiosity[patch].at(offset_m).max(Rgb::ZERO)
+        let normal = self.mesh.frame(self.mesh.patch(patch).face).plane.normal;
+        seen_middle_m(receiver, part, normal).map_or(self.radiosity[patch].mean, |middle_m| self.at(patch, middle_m))
     }
 }
 

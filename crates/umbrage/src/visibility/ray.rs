@@ -17,20 +17,12 @@ use crate::id::PlaneId;
 impl Visibility {
     /// Whether a face crosses the open segment between two points; faces in the planes `passing` are passed through.
     pub fn occluded(&self, from_m: DVec3, to_m: DVec3, passing: [PlaneId; 2]) -> bool {
-        let along = to_m - from_m;
+        // Finite, so that a box whose border the ray starts on, along an axis that it does not follow, is not lost as NaN.
+        let per_m = (to_m - from_m).recip().clamp(DVec3::MIN, DVec3::MAX);
         let meets = |min_m: DVec3, max_m: DVec3| {
-            let (mut near, mut far) = (0.0_f64, 1.0_f64);
-            for axis in 0..3 {
-                let (t0, t1) = ((min_m[axis] - from_m[axis]) / along[axis], (max_m[axis] - from_m[axis]) / along[axis]);
-                if along[axis] == 0.0 {
-                    if from_m[axis] < min_m[axis] || from_m[axis] > max_m[axis] {
-                        return false;
-                    }
-                } else {
-                    near = near.max(t0.min(t1));
-                    far = far.min(t0.max(t1));
-                }
-            }
+            let (to_min, to_max) = ((min_m - from_m) * per_m, (max_m - from_m) * per_m);
+            let near = to_min.min(to_max).max_element().max(0.0);
+            let far = to_min.max(to_max).min_element().min(1.0);
             near <= far + SLAB_SLACK
         };
         let mut hit = false;
