@@ -90,7 +90,7 @@ pub(crate) fn write(
 ) -> anyhow::Result<Written> {
     interrupt::check()?;
     let mut extras = Map::new();
-    extras.insert("max_form_factor".into(), settings.max_form_factor.into());
+    extras.insert("max_form_factor".into(), settings.fmax().into());
     extras.insert("min_area_m2".into(), settings.min_area_m2.into());
     // JSON has no infinity: null is no refinement.
     let tolerance = Some(settings.shade.tolerance).filter(|tolerance| tolerance.is_finite());

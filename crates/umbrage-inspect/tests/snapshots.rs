@@ -20,7 +20,7 @@ fn scene(name: &str) -> Scene {
 
 /// Patches as large as the d-segments leave them.
 fn coarse() -> BakeSettings {
-    BakeSettings { max_form_factor: 0.5, min_area_m2: Some(1.0), ..BakeSettings::default() }
+    BakeSettings { max_form_factor: Some(0.5), min_area_m2: Some(1.0), ..BakeSettings::default() }
 }
 
 fn is_as_before(name: &str, text: &str) {

@@ -29,7 +29,10 @@ use crate::solve::{self, SolveSettings, Surfaces};
 use crate::transport::{self, DirectLight, FormFactorOracle};
 use crate::visibility::Visibility;
 
-/// Where no smallest area is given, this share of the area of all faces: 1,500 patches if all were as small.
+/// `Fmax` at the default tolerance.
+const FMAX: f64 = 0.04;
+/// Where no smallest area is given, this share of the area of all faces at the default tolerance: 1,500 patches if all were
+/// as small.
 const MIN_AREA_OF_TOTAL: f64 = 7e-4;
 
 /// d-segments that change irradiance by less than this share of the tolerance are left out.
@@ -38,9 +41,10 @@ const WEAK_OF_TOLERANCE: f64 = 1.0;
 /// How a scene is baked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BakeSettings {
-    /// Fmax: pairs of patches with a greater form factor estimate are subdivided.
-    pub max_form_factor: f64,
-    /// A patch smaller than this is not split for its form factor, in square metres; `None`: a share of the scene.
+    /// Fmax: pairs of patches with a greater form factor estimate are subdivided; `None`: as the tolerance asks.
+    pub max_form_factor: Option<f64>,
+    /// A patch smaller than this is not split for its form factor, in square metres; `None`: a share of the scene, as the
+    /// tolerance asks.
     pub min_area_m2: Option<f64>,
     /// What `point_split` minimises.
     pub score: SplitScore,
@@ -59,7 +63,7 @@ pub struct BakeSettings {
 impl Default for BakeSettings {
     fn default() -> Self {
         Self {
-            max_form_factor: 0.04,
+            max_form_factor: None,
             min_area_m2: None,
             score: SplitScore::default(),
             mend_bad_shapes: true,
@@ -77,14 +81,32 @@ impl BakeSettings {
         if self.shade.tolerance.is_finite() { WEAK_OF_TOLERANCE * self.shade.tolerance } else { 0.0 }
     }
 
+    /// `Fmax`, given or as the tolerance asks.
+    pub fn fmax(&self) -> f64 {
+        self.max_form_factor.unwrap_or_else(|| FMAX * self.coarseness())
+    }
+
+    /// How much coarser the hierarchy may be than at the default tolerance: what the light itself errs goes nearly with
+    /// `Fmax`, but is only a part of the error.
+    fn coarseness(&self) -> f64 {
+        let tolerance = self.shade.tolerance;
+        if tolerance.is_finite() {
+            (tolerance / ShadeSettings::default().tolerance).sqrt().clamp(0.1, 3.0)
+        } else {
+            1.0
+        }
+    }
+
     fn mesh(&self) -> MeshSettings {
         MeshSettings { score: self.score, mend_bad_shapes: self.mend_bad_shapes }
     }
 
     fn oracle(&self, prepared: &Prepared) -> FormFactorOracle {
         FormFactorOracle {
-            max_form_factor: self.max_form_factor,
-            min_area_m2: self.min_area_m2.unwrap_or_else(|| MIN_AREA_OF_TOTAL * total_area_m2(prepared)),
+            max_form_factor: self.fmax(),
+            min_area_m2: self
+                .min_area_m2
+                .unwrap_or_else(|| MIN_AREA_OF_TOTAL * self.coarseness() * total_area_m2(prepared)),
             coplanar_m: prepared.tolerance.coplanar_m(),
         }
     }
@@ -187,10 +209,11 @@ pub fn bake(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> R
     clock.end_of(Stage::Transport);
 
     let direct = DirectLight::new(scene, &prepared, &visibility);
-    let surfaces = Surfaces::new(scene, &prepared, &mesh, &direct);
+    let mut surfaces = Surfaces::new(scene, &prepared, &mesh, &direct);
     let solution = solve::solve(&mesh, &surfaces, &links, settings.solve, progress)?;
     let light = |solution| Irradiance::new(&prepared, &visibility, &mesh, &links, &direct, solution);
-    let solution = shade::bounce(&prepared, &mesh, &surfaces, &light(&solution), solution.clone(), progress)?;
+    surfaces.missed = shade::missed_by_links(&prepared, &mesh, &surfaces, &light(&solution), &solution, progress)?;
+    let solution = solve::solve(&mesh, &surfaces, &links, settings.solve, progress)?;
     check(|| solution.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Solve);
 

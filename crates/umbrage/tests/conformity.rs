@@ -102,7 +102,7 @@ proptest! {
     #![proptest_config(ProptestConfig { max_shrink_iters: 40, ..explored() })]
     #[test]
     fn random_scenes_conform(scene in random_scene()) {
-        let settings = BakeSettings { max_form_factor: 0.15, min_area_m2: Some(0.05), ..BakeSettings::default() };
+        let settings = BakeSettings { max_form_factor: Some(0.15), min_area_m2: Some(0.05), ..BakeSettings::default() };
         let baked = bake(&scene, &settings, Progress::silent()).unwrap();
         prop_assert_eq!(baked.mesh.validate(), Ok(()));
         let triangles = common::lit_triangles(&baked.mesh);

@@ -14,6 +14,6 @@ mod reflected;
 mod shade;
 
 pub use baked_mesh::{BakedMesh, BakedMeshError, BakedPart};
-pub use bounce::bounce;
+pub use bounce::missed_by_links;
 pub use irradiance::Irradiance;
 pub use shade::{ShadeSettings, Shaded, shade};

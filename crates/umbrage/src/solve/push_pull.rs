@@ -1,7 +1,7 @@
 //! `push_pull`: makes the light that was gathered at different levels of the hierarchy one.
 //!
-//! Push: a leaf's irradiance is its direct light and what it and all its ancestors gathered, since irradiance is a
-//! density; each ancestor's is a linear function, taken at the leaf's centroid, so that no light is lost. Pull: a node's
+//! Push: a leaf's irradiance is its direct light and what it and all its ancestors gathered (and what links are known to
+//! miss), since irradiance is a density; each ancestor's is a linear function, taken at the leaf's centroid, so that no light is lost. Pull: a node's
 //! radiosity is the mean of its parts' by area.
 //!
 //! ```text
@@ -44,7 +44,7 @@ pub fn push_pull(
             None => (Linear::default(), surfaces.direct[id]),
         };
         let node = &mut irradiance[id];
-        node.mean += above.mean + direct.mean;
+        node.mean += above.mean + direct.mean + surfaces.missed[id];
         node.gradient[0] += above.gradient[0] + direct.gradient[0];
         node.gradient[1] += above.gradient[1] + direct.gradient[1];
     }
