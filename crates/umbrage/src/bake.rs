@@ -211,7 +211,7 @@ pub fn bake(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> R
     let direct = DirectLight::new(scene, &prepared, &visibility);
     let mut surfaces = Surfaces::new(scene, &prepared, &mesh, &direct);
     let solution = solve::solve(&mesh, &surfaces, &links, settings.solve, progress)?;
-    let light = |solution| Irradiance::new(&prepared, &visibility, &mesh, &links, &direct, solution);
+    let light = |solution| Irradiance::new(&prepared, &visibility, &mesh, &direct, solution);
     surfaces.missed = shade::missed_by_links(&prepared, &mesh, &surfaces, &light(&solution), &solution, progress)?;
     let solution = solve::solve(&mesh, &surfaces, &links, settings.solve, progress)?;
     check(|| solution.validate().map_err(|error| error.to_string()));

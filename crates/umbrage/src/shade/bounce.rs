@@ -43,7 +43,7 @@ pub fn missed_by_links(
         }
         let receiver = ReceiverPoint::on_face(prepared, patch.face, patch.centroid_m);
         let leaf = PatchId::from(number);
-        Ok(surfaces.direct[leaf].mean + irradiance.indirect(&receiver, patch.face) - solution.irradiance[leaf])
+        Ok(surfaces.direct[leaf].mean + irradiance.indirect(&receiver) - solution.irradiance[leaf])
     };
     (0..mesh.patch_count()).into_par_iter().map(of).collect::<Result<Vec<Rgb>, Cancelled>>().map(Table::from)
 }

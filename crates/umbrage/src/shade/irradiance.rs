@@ -3,15 +3,13 @@
 //! Indirect light is gathered from all faces, from each as exactly as it can matter there:
 //! - of a strong one the part that the point sees is found exactly, and what that part reflects is summed down the face's
 //!   patches ([`Reflected`]). So a shadow in indirect light is as sharp as it is, however coarse the links are;
-//! - of a weak one the whole factor is exact, and a few rays tell how much of it is seen;
-//! - faint ones are taken from the links of the point's leaf and of its ancestors, linear over their receivers.
+//! - of a weak one the whole factor is exact, and one ray or a few tell how much of it is seen.
 //!
-//! No light passes a wall either way.
+//! No light passes a wall either way. Links have no part in this: they are linear over their receivers, and at the borders
+//! of these the sum over all faint sources would jump, which refinement would take for shadows.
 //!
 //! Before: a point lies inside its triangle, never on an edge or a contact: there the limit depends on the direction, and
 //! the caller chooses it by where it puts the point.
-
-use std::f64::consts::PI;
 
 use glam::DVec3;
 use smallvec::smallvec;
@@ -23,8 +21,8 @@ use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::scene::Rgb;
 use crate::solve::Solution;
+use crate::transport::DirectLight;
 use crate::transport::form_factor::point_to_polygon;
-use crate::transport::{DirectLight, Links};
 use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility, VisiblePart};
 
 /// A face that could not bring more than this share of the mean irradiance is weak: what a few rays err about the part of
@@ -32,9 +30,6 @@ use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility, VisiblePart};
 const WEAK_OF_MEAN: f64 = 2e-2;
 /// Below this share of the mean irradiance one ray tells whether a weak face is seen.
 const ONE_RAY_OF_MEAN: f64 = 5e-3;
-/// A face that could not bring more than this share of the mean irradiance is faint: what the linear form of its links
-/// errs is a part of that.
-const FAINT_OF_MEAN: f64 = 1e-3;
 /// Rays to a weak face above that.
 const RAYS: usize = 4;
 
@@ -43,7 +38,6 @@ const RAYS: usize = 4;
 pub struct Irradiance<'a> {
     visibility: &'a Visibility,
     mesh: &'a Mesh,
-    links: &'a Links,
     direct: &'a DirectLight<'a>,
     reflected: Reflected<'a>,
     faces: Table<FaceId, ReflectingFace>,
@@ -57,7 +51,6 @@ struct ReflectingFace {
     polygon: SourcePolygon,
     middle_m: DVec3,
     radius_m: f64,
-    area_m2: f64,
     /// The most that it reflects anywhere, in W/m2.
     greatest: f64,
 }
@@ -68,7 +61,6 @@ impl<'a> Irradiance<'a> {
         prepared: &Prepared,
         visibility: &'a Visibility,
         mesh: &'a Mesh,
-        links: &'a Links,
         direct: &'a DirectLight<'a>,
         solution: &'a Solution,
     ) -> Self {
@@ -83,13 +75,12 @@ impl<'a> Irradiance<'a> {
             ReflectingFace {
                 middle_m: root.centroid_m,
                 radius_m: polygon.corners_m.iter().map(reach).fold(0.0, f64::max),
-                area_m2: root.area_m2,
                 greatest: reflected.greatest(mesh.root(face)),
                 polygon,
             }
         };
         let faces = prepared.faces.keys().map(reflecting).collect();
-        Self { visibility, mesh, links, direct, reflected, faces, mean }
+        Self { visibility, mesh, direct, reflected, faces, mean }
     }
 
     /// Mean irradiance of all faces, over the three colours, in W/m2.
@@ -102,47 +93,18 @@ impl<'a> Irradiance<'a> {
         self.direct.at(receiver)
     }
 
-    /// Irradiance by reflection, in W/m2, at a point of `face`.
-    pub fn indirect(&self, receiver: &ReceiverPoint, face: FaceId) -> Rgb {
-        let (mut sum, mut faint) = (Rgb::ZERO, Vec::new());
-        for (source, reflecting) in self.faces.iter_enumerated() {
-            let faint_below = FAINT_OF_MEAN / reflecting.greatest * self.mean;
-            match reflecting.factor(receiver, faint_below) {
-                None => {}
-                Some(factor) if factor < faint_below => faint.push(source),
-                Some(factor) => {
-                    let most_of_mean = reflecting.greatest * factor / self.mean;
-                    sum += if most_of_mean >= WEAK_OF_MEAN {
-                        self.by_visible_part(receiver, source)
-                    } else {
-                        factor
-                            * self.seen_by_rays(receiver, source, if most_of_mean < ONE_RAY_OF_MEAN { 1 } else { RAYS })
-                    };
-                }
-            }
-        }
-        (sum + self.by_links(receiver.position_m, face, &faint)).max(Rgb::ZERO)
-    }
-
-    /// What comes over the links of a point's leaf and of the leaf's ancestors from the faces in `faint`, which are in order.
-    fn by_links(&self, position_m: DVec3, face: FaceId, faint: &[FaceId]) -> Rgb {
-        let frame = self.mesh.frame(face);
-        let at_m = frame.to_2d(position_m);
+    /// Irradiance by reflection, in W/m2, at a point.
+    pub fn indirect(&self, receiver: &ReceiverPoint) -> Rgb {
         let mut sum = Rgb::ZERO;
-        if faint.is_empty() {
-            return sum;
-        }
-        let mut node = Some(self.mesh.leaf_at(face, position_m));
-        while let Some(receiver) = node {
-            let patch = self.mesh.patch(receiver);
-            let away_m = at_m - frame.to_2d(patch.centroid_m);
-            for link in self.links.of(receiver) {
-                if faint.binary_search(&self.mesh.patch(link.source).face).is_ok() {
-                    let factor = link.form_factor + link.gradient.as_dvec2().dot(away_m);
-                    sum += factor * self.reflected.mean(link.source);
-                }
+        for (face, source) in self.faces.iter_enumerated() {
+            let factor = source.factor(receiver);
+            let most_of_mean = source.greatest * factor / self.mean;
+            if most_of_mean >= WEAK_OF_MEAN {
+                sum += self.by_visible_part(receiver, face);
+            } else if most_of_mean > 0.0 {
+                sum +=
+                    factor * self.seen_by_rays(receiver, face, if most_of_mean < ONE_RAY_OF_MEAN { 1 } else { RAYS });
             }
-            node = patch.parent;
         }
         sum
     }
@@ -178,29 +140,15 @@ impl<'a> Irradiance<'a> {
 }
 
 impl ReflectingFace {
-    /// Factor of a point to the face, if nothing stood between, or a bound of it that is below `faint_below`; `None` where
-    /// the face does not face the point, or reflects nothing.
-    fn factor(&self, receiver: &ReceiverPoint, faint_below: f64) -> Option<f64> {
+    /// Factor of a point to the face, if nothing stood between; 0 where the face reflects nothing.
+    fn factor(&self, receiver: &ReceiverPoint) -> f64 {
         let SourcePolygon { corners_m, oriented_plane, plane } = &self.polygon;
-        let height_m = oriented_plane.signed_distance_m(receiver.position_m);
-        if self.greatest <= 0.0 || height_m <= 0.0 || receiver.plane == *plane {
-            return None;
-        }
         let to_middle = self.middle_m - receiver.position_m;
-        let rise_m = receiver.normal.dot(to_middle) + self.radius_m;
-        if rise_m <= 0.0 {
-            return None;
-        }
-        // All points of the face are at least so far away: more than the square of it bounds the cosines too.
-        let apart_m = to_middle.length() - self.radius_m;
-        if apart_m > 0.0 {
-            let cosines = (height_m / apart_m).min(1.0) * (rise_m / apart_m).min(1.0);
-            let bound = self.area_m2 * cosines / (PI * apart_m * apart_m);
-            if bound < faint_below {
-                return Some(bound);
-            }
-        }
-        Some(point_to_polygon(receiver.position_m, receiver.normal, corners_m)).filter(|&factor| factor > 0.0)
+        let faces = self.greatest > 0.0
+            && receiver.plane != *plane
+            && oriented_plane.signed_distance_m(receiver.position_m) > 0.0
+            && receiver.normal.dot(to_middle) > -self.radius_m;
+        if faces { point_to_polygon(receiver.position_m, receiver.normal, corners_m) } else { 0.0 }
     }
 }
 
@@ -219,8 +167,8 @@ impl Field for Direct<'_> {
 pub(super) struct Indirect<'a>(pub(super) &'a Irradiance<'a>);
 
 impl Field for Indirect<'_> {
-    fn at(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> Rgb {
-        self.0.indirect(point, mesh.patch(patch).face)
+    fn at(&self, _: &Mesh, point: &ReceiverPoint, _: PatchId) -> Rgb {
+        self.0.indirect(point)
     }
 }
 
@@ -253,13 +201,13 @@ mod tests {
         let surfaces = Surfaces::new(&scene, &prepared, &mesh, &direct);
         let settings = SolveSettings { max_residual: 1e-7, max_iterations: 99 };
         let solution = solve(&mesh, &surfaces, &links, settings, Progress::silent()).unwrap();
-        let irradiance = Irradiance::new(&prepared, &index, &mesh, &links, &direct, &solution);
+        let irradiance = Irradiance::new(&prepared, &index, &mesh, &direct, &solution);
         let face = FaceId::from(face);
         let corners = prepared.polygon_m(face);
         let evaluate = |&[s, t]: &[f64; 2]| {
             let p = corners[0] + s * (corners[1] - corners[0]) + t * (corners[corners.len() - 1] - corners[0]);
             let receiver = ReceiverPoint::on_face(&prepared, face, p);
-            [irradiance.direct(&receiver), irradiance.indirect(&receiver, face)]
+            [irradiance.direct(&receiver), irradiance.indirect(&receiver)]
         };
         points.iter().map(evaluate).collect()
     }

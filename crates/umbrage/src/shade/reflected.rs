@@ -79,11 +79,6 @@ impl<'a> Reflected<'a> {
         Self { mesh, radiosity, variation, trifle: TRIFLE_OF_MEAN * mean }
     }
 
-    /// What a patch reflects, on average over it, in W/m2.
-    pub(super) fn mean(&self, patch: PatchId) -> Rgb {
-        self.radiosity[patch].mean
-    }
-
     /// What a patch reflects at a point of its plane, by its linear fit, in W/m2.
     pub(super) fn at(&self, patch: PatchId, point_m: DVec3) -> Rgb {
         let node = self.mesh.patch(patch);
