@@ -3,7 +3,8 @@
 //! Indirect light is gathered from all faces, from each as exactly as it can matter there:
 //! - of a strong one the part that the point sees is found exactly, and what that part reflects is summed down the face's
 //!   patches ([`Reflected`]). So a shadow in indirect light is as sharp as it is, however coarse the links are;
-//! - of a weak one the whole factor is exact, and one ray or a few tell how much of it is seen.
+//! - of a weak one the whole factor is exact, and one ray or a few tell how much of it is seen;
+//! - where much stands before a strong one, its subpatches are looked at one by one, and are weak sooner or later.
 //!
 //! No light passes a wall either way. Links have no part in this: they are linear over their receivers, and at the borders
 //! of these the sum over all faint sources would jump, which refinement would take for shadows.
@@ -16,8 +17,8 @@ use smallvec::smallvec;
 
 use super::field::Field;
 use super::reflected::{Part, Reflected};
-use crate::id::{FaceId, PatchId, Table};
-use crate::mesh::Mesh;
+use crate::id::{PatchId, Table};
+use crate::mesh::{Mesh, Patch};
 use crate::prepare::Prepared;
 use crate::scene::Rgb;
 use crate::solve::Solution;
@@ -25,13 +26,15 @@ use crate::transport::DirectLight;
 use crate::transport::form_factor::point_to_polygon;
 use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility, VisiblePart};
 
-/// A face that could not bring more than this share of the mean irradiance is weak: what a few rays err about the part of
-/// it that is seen is a fraction of that, and independent from face to face.
+/// A patch that could not bring more than this share of the mean irradiance is weak: what a few rays err about the part of
+/// it that is seen is a fraction of that, and independent from patch to patch.
 const WEAK_OF_MEAN: f64 = 2e-2;
-/// Below this share of the mean irradiance one ray tells whether a weak face is seen.
+/// Below this share of the mean irradiance one ray tells whether a weak patch is seen.
 const ONE_RAY_OF_MEAN: f64 = 5e-3;
-/// Rays to a weak face above that.
+/// Rays to a weak patch above that.
 const RAYS: usize = 4;
+/// The visible part of a patch is cut at most so many times: the time that it takes grows with the square.
+const FEW_SHADOWS: usize = 12;
 
 /// Evaluates irradiance at points.
 #[derive(Debug)]
@@ -40,14 +43,15 @@ pub struct Irradiance<'a> {
     mesh: &'a Mesh,
     direct: &'a DirectLight<'a>,
     reflected: Reflected<'a>,
-    faces: Table<FaceId, ReflectingFace>,
+    roots: Vec<PatchId>,
+    sources: Table<PatchId, ReflectingPatch>,
     /// Mean irradiance of all faces, in W/m2.
     mean: f64,
 }
 
-/// A face as a source.
+/// A patch as a source.
 #[derive(Debug)]
-struct ReflectingFace {
+struct ReflectingPatch {
     polygon: SourcePolygon,
     middle_m: DVec3,
     radius_m: f64,
@@ -64,23 +68,23 @@ impl<'a> Irradiance<'a> {
         direct: &'a DirectLight<'a>,
         solution: &'a Solution,
     ) -> Self {
-        let roots = || prepared.faces.keys().map(|face| mesh.root(face));
-        let area_m2: f64 = roots().map(|root| mesh.patch(root).area_m2).sum();
-        let power: Rgb = roots().map(|root| solution.irradiance[root] * mesh.patch(root).area_m2).sum();
+        let roots: Vec<PatchId> = prepared.faces.keys().map(|face| mesh.root(face)).collect();
+        let area_m2: f64 = roots.iter().map(|&root| mesh.patch(root).area_m2).sum();
+        let power: Rgb = roots.iter().map(|&root| solution.irradiance[root] * mesh.patch(root).area_m2).sum();
         let mean = power.element_sum() / 3.0 / area_m2;
         let reflected = Reflected::new(mesh, &solution.reflected, power.max_element() / area_m2);
-        let reflecting = |face: FaceId| {
-            let (polygon, root) = (SourcePolygon::of_face(prepared, face), mesh.patch(mesh.root(face)));
-            let reach = |corner: &DVec3| corner.distance(root.centroid_m);
-            ReflectingFace {
-                middle_m: root.centroid_m,
+        let reflecting = |(id, patch): (PatchId, &Patch)| {
+            let polygon = SourcePolygon::on_face(prepared, patch.face, mesh.polygon_m(id));
+            let reach = |corner: &DVec3| corner.distance(patch.centroid_m);
+            ReflectingPatch {
+                middle_m: patch.centroid_m,
                 radius_m: polygon.corners_m.iter().map(reach).fold(0.0, f64::max),
-                greatest: reflected.greatest(mesh.root(face)),
+                greatest: reflected.greatest(id),
                 polygon,
             }
         };
-        let faces = prepared.faces.keys().map(reflecting).collect();
-        Self { visibility, mesh, direct, reflected, faces, mean }
+        let sources = mesh.patches().map(reflecting).collect();
+        Self { visibility, mesh, direct, reflected, roots, sources, mean }
     }
 
     /// Mean irradiance of all faces, over the three colours, in W/m2.
@@ -95,24 +99,32 @@ impl<'a> Irradiance<'a> {
 
     /// Irradiance by reflection, in W/m2, at a point.
     pub fn indirect(&self, receiver: &ReceiverPoint) -> Rgb {
-        let mut sum = Rgb::ZERO;
-        for (face, source) in self.faces.iter_enumerated() {
-            let factor = source.factor(receiver);
-            let most_of_mean = source.greatest * factor / self.mean;
-            if most_of_mean >= WEAK_OF_MEAN {
-                sum += self.by_visible_part(receiver, face);
-            } else if most_of_mean > 0.0 {
-                sum +=
-                    factor * self.seen_by_rays(receiver, face, if most_of_mean < ONE_RAY_OF_MEAN { 1 } else { RAYS });
-            }
-        }
-        sum
+        self.roots.iter().map(|&root| self.by_patch(receiver, root)).sum()
     }
 
-    /// What a point sees a face reflect, on average over all of the face above the horizon, in W/m2.
-    fn seen_by_rays(&self, receiver: &ReceiverPoint, face: FaceId, rays: usize) -> Rgb {
-        let ReflectingFace { polygon, middle_m, .. } = &self.faces[face];
-        let root = self.mesh.root(face);
+    /// Irradiance by what a patch reflects.
+    fn by_patch(&self, receiver: &ReceiverPoint, patch: PatchId) -> Rgb {
+        let source = &self.sources[patch];
+        let factor = source.factor(receiver);
+        let most_of_mean = source.greatest * factor / self.mean;
+        if most_of_mean <= 0.0 {
+            return Rgb::ZERO;
+        }
+        if most_of_mean < WEAK_OF_MEAN {
+            let rays = if most_of_mean < ONE_RAY_OF_MEAN { 1 } else { RAYS };
+            return factor * self.seen_by_rays(receiver, patch, rays);
+        }
+        let subpatches = self.mesh.patch(patch).subpatches;
+        let most_shadows = if subpatches.is_some() { FEW_SHADOWS } else { usize::MAX };
+        match (self.visibility.visible_part_past(receiver, &source.polygon, most_shadows), subpatches) {
+            (Some(part), _) => self.by_visible_part(receiver, patch, part),
+            (None, parts) => parts.into_iter().flatten().map(|part| self.by_patch(receiver, part)).sum(),
+        }
+    }
+
+    /// What a point sees a patch reflect, on average over all of it above the horizon, in W/m2.
+    fn seen_by_rays(&self, receiver: &ReceiverPoint, patch: PatchId, rays: usize) -> Rgb {
+        let ReflectingPatch { polygon, middle_m, .. } = &self.sources[patch];
         let (mut whole, mut seen) = (0.0, Rgb::ZERO);
         for ray in 0..rays {
             let corner_m = polygon.corners_m[ray * polygon.corners_m.len() / rays];
@@ -122,25 +134,25 @@ impl<'a> Irradiance<'a> {
             let exchange = cosines / along.length_squared().powi(2);
             whole += exchange;
             if exchange > 0.0 && !self.visibility.occluded(receiver.position_m, at_m, [receiver.plane, polygon.plane]) {
-                seen += exchange * self.reflected.at(root, at_m);
+                seen += exchange * self.reflected.at(patch, at_m);
             }
         }
         if whole > 0.0 { seen / whole } else { Rgb::ZERO }
     }
 
-    /// Irradiance by what the visible part of a face reflects.
-    fn by_visible_part(&self, receiver: &ReceiverPoint, face: FaceId) -> Rgb {
-        let part: Part = match self.visibility.visible_part(receiver, &self.faces[face].polygon) {
+    /// Irradiance by what the visible part of a patch reflects.
+    fn by_visible_part(&self, receiver: &ReceiverPoint, patch: PatchId, part: VisiblePart) -> Rgb {
+        let part: Part = match part {
             VisiblePart::Nothing => return Rgb::ZERO,
             VisiblePart::Whole(corners_m) => smallvec![corners_m],
             VisiblePart::Part(contours) => contours.iter().map(<[DVec3]>::to_vec).collect(),
         };
-        self.reflected.by(receiver, self.mesh.root(face), &part)
+        self.reflected.by(receiver, patch, &part)
     }
 }
 
-impl ReflectingFace {
-    /// Factor of a point to the face, if nothing stood between; 0 where the face reflects nothing.
+impl ReflectingPatch {
+    /// Factor of a point to the patch, if nothing stood between; 0 where the patch reflects nothing.
     fn factor(&self, receiver: &ReceiverPoint) -> f64 {
         let SourcePolygon { corners_m, oriented_plane, plane } = &self.polygon;
         let to_middle = self.middle_m - receiver.position_m;
@@ -175,6 +187,7 @@ impl Field for Indirect<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::id::FaceId;
     use crate::mesh::MeshSettings;
     use crate::progress::Progress;
     use crate::scene::Material;

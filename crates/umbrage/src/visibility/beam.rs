@@ -112,15 +112,27 @@ pub enum VisiblePart {
 impl Visibility {
     /// The part of `source` that `receiver` sees.
     pub fn visible_part(&self, receiver: &ReceiverPoint, source: &SourcePolygon) -> VisiblePart {
+        // Never `None` where any number of shadows will do.
+        self.visible_part_past(receiver, source, usize::MAX).unwrap_or(VisiblePart::Nothing)
+    }
+
+    /// The part of `source` that `receiver` sees, unless more than `most_shadows` occluders take something of it: then its
+    /// parts are quicker to look at one by one.
+    pub fn visible_part_past(
+        &self,
+        receiver: &ReceiverPoint,
+        source: &SourcePolygon,
+        most_shadows: usize,
+    ) -> Option<VisiblePart> {
         let position_m = receiver.position_m;
         if receiver.plane == source.plane || source.oriented_plane.signed_distance_m(position_m) <= 0.0 {
-            return VisiblePart::Nothing;
+            return Some(VisiblePart::Nothing);
         }
         let horizon = Plane::through(position_m, receiver.normal);
         let above = clip::in_front_of(&source.corners_m, &horizon, 0.0);
         let Some(view) = SourceView::new(position_m, horizon, source.oriented_plane, &above, self.tolerance().weld_m())
         else {
-            return VisiblePart::Nothing;
+            return Some(VisiblePart::Nothing);
         };
         let mut shadows = Vec::new();
         let mut dark = false;
@@ -141,20 +153,23 @@ impl Visibility {
                         Cover::Some => shadows.push(outline),
                     }
                 }
-                ControlFlow::Continue(())
+                if shadows.len() > most_shadows { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             },
         );
         if dark {
-            return VisiblePart::Nothing;
+            return Some(VisiblePart::Nothing);
+        }
+        if shadows.len() > most_shadows {
+            return None;
         }
         if shadows.is_empty() {
-            return VisiblePart::Whole(above);
+            return Some(VisiblePart::Whole(above));
         }
         let mut lit = Contours::default();
         for contour in shadow::source_minus_shadows(view.source(), &shadows) {
             lit.push(contour.into_iter().map(|p| view.to_3d(p)));
         }
-        if lit.ends.is_empty() { VisiblePart::Nothing } else { VisiblePart::Part(lit) }
+        Some(if lit.ends.is_empty() { VisiblePart::Nothing } else { VisiblePart::Part(lit) })
     }
 }
 
