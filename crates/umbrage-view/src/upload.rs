@@ -1,0 +1,137 @@
+//! The tables of a scene in the memory of the graphics processor.
+
+use std::cell::OnceCell;
+
+use umbrage_picture::color::srgb8_from_linear;
+use umbrage_picture::{Texture, Wrap};
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use wgpu::{
+    AddressMode, BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferUsages, Device,
+    Extent3d, FilterMode, Queue, SamplerDescriptor, TexelCopyBufferLayout, TexelCopyTextureInfo, TextureDescriptor,
+    TextureDimension, TextureFormat, TextureUsages, TextureViewDescriptor,
+};
+
+use crate::layout::{Group, Tables};
+use crate::marks::Mark;
+use crate::pipelines::Pipelines;
+
+/// Texels looked at along a surface that is seen at a grazing angle.
+const ANISOTROPY: u16 = 8;
+
+/// A scene that is ready to be drawn.
+pub(crate) struct Uploaded {
+    pub(crate) vertices: Buffer,
+    pub(crate) indices: Buffer,
+    pub(crate) groups: Vec<Group>,
+    /// One for each texture, and a white one.
+    textures: Vec<BindGroup>,
+    /// Vertices of triangles that share none: made when triangles are first drawn.
+    unshared: OnceCell<Buffer>,
+}
+
+impl Uploaded {
+    pub(crate) fn new(device: &Device, queue: &Queue, pipelines: &Pipelines, tables: &Tables) -> Self {
+        let largest = device.limits().max_texture_dimension_2d;
+        let mut textures: Vec<BindGroup> = tables
+            .textures
+            .iter()
+            .map(|texture| bind(device, queue, pipelines, &levels(texture, largest), texture.wrap()))
+            .collect();
+        let white = [([1, 1], vec![255; 4])];
+        textures.push(bind(device, queue, pipelines, &white, [Wrap::Repeat; 2]));
+        Self {
+            vertices: buffer(device, bytemuck::cast_slice(&tables.vertices), BufferUsages::VERTEX),
+            indices: buffer(device, bytemuck::cast_slice(&tables.indices), BufferUsages::INDEX),
+            groups: tables.groups.clone(),
+            textures,
+            unshared: OnceCell::new(),
+        }
+    }
+
+    /// The texture of a group.
+    pub(crate) fn texture(&self, group: &Group) -> &BindGroup {
+        &self.textures[group.texture.unwrap_or(self.textures.len() - 1)]
+    }
+
+    /// Vertices of triangles that share none.
+    pub(crate) fn unshared(&self, device: &Device, tables: &Tables) -> &Buffer {
+        self.unshared.get_or_init(|| buffer(device, bytemuck::cast_slice(&tables.unshared()), BufferUsages::VERTEX))
+    }
+}
+
+/// Lines that are ready to be drawn.
+pub(crate) struct UploadedMarks {
+    pub(crate) lines: Buffer,
+    pub(crate) count: u32,
+}
+
+impl UploadedMarks {
+    pub(crate) fn new(device: &Device, marks: &[Mark]) -> Self {
+        let lines = buffer(device, bytemuck::cast_slice(marks), BufferUsages::VERTEX);
+        Self { lines, count: marks.len() as u32 }
+    }
+}
+
+fn buffer(device: &Device, contents: &[u8], usage: BufferUsages) -> Buffer {
+    device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage })
+}
+
+/// Columns and rows, and four bytes a texel.
+type Level = ([usize; 2], Vec<u8>);
+
+/// The mip levels of a texture from the first that is not too large.
+fn levels(texture: &Texture, largest: u32) -> Vec<Level> {
+    let fits = |size: [usize; 2]| size.iter().all(|&side| side <= largest as usize);
+    let encode = |[r, g, b]: [f32; 3]| {
+        let [r, g, b] = [r, g, b].map(srgb8_from_linear);
+        [r, g, b, 255]
+    };
+    texture
+        .levels()
+        .filter(|(size, _)| fits(*size))
+        .map(|(size, texels)| (size, texels.iter().flat_map(|&texel| encode(texel)).collect()))
+        .collect()
+}
+
+fn bind(device: &Device, queue: &Queue, pipelines: &Pipelines, levels: &[Level], wrap: [Wrap; 2]) -> BindGroup {
+    let extent =
+        |[width, height]: [usize; 2]| Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: 1 };
+    let texture = device.create_texture(&TextureDescriptor {
+        label: None,
+        size: extent(levels[0].0),
+        mip_level_count: levels.len() as u32,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format: TextureFormat::Rgba8UnormSrgb,
+        usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    for ((size, bytes), mip_level) in levels.iter().zip(0..) {
+        let layout = TexelCopyBufferLayout { bytes_per_row: Some(4 * size[0] as u32), ..Default::default() };
+        let to = TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() };
+        queue.write_texture(to, bytes, layout, extent(*size));
+    }
+    let [address_mode_u, address_mode_v] = wrap.map(|wrap| match wrap {
+        Wrap::Repeat => AddressMode::Repeat,
+        Wrap::Mirror => AddressMode::MirrorRepeat,
+        Wrap::Clamp => AddressMode::ClampToEdge,
+    });
+    let sampler = device.create_sampler(&SamplerDescriptor {
+        address_mode_u,
+        address_mode_v,
+        mag_filter: FilterMode::Linear,
+        min_filter: FilterMode::Linear,
+        mipmap_filter: FilterMode::Linear,
+        anisotropy_clamp: ANISOTROPY,
+        ..SamplerDescriptor::default()
+    });
+    let view = texture.create_view(&TextureViewDescriptor::default());
+    device.create_bind_group(&BindGroupDescriptor {
+        label: None,
+        layout: &pipelines.texture_layout,
+        entries: &[
+            BindGroupEntry { binding: 0, resource: BindingResource::TextureView(&view) },
+            BindGroupEntry { binding: 1, resource: BindingResource::Sampler(&sampler) },
+        ],
+    })
+}
