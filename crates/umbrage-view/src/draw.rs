@@ -19,7 +19,7 @@ const VIEW_BYTES: u64 = 160;
 
 /// What is shown of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Show {
+pub(crate) enum Show {
     /// Base colour times light.
     Surfaces,
     /// The light alone.
@@ -30,17 +30,17 @@ pub enum Show {
 
 /// What becomes of light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrameLook {
+pub(crate) struct FrameLook {
     /// What is shown.
-    pub show: Show,
+    pub(crate) show: Show,
     /// What light is multiplied with.
-    pub exposure: f32,
+    pub(crate) exposure: f32,
     /// The curve that it then goes through.
-    pub tone: Tone,
+    pub(crate) tone: Tone,
     /// Where the scale of false colours ends, in the file's unit.
-    pub scale_end: f32,
+    pub(crate) scale_end: f32,
     /// Whether triangles are drawn.
-    pub wire: bool,
+    pub(crate) wire: bool,
 }
 
 /// All that a frame depends on, but for the scene and the lines.

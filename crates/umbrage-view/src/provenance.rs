@@ -176,7 +176,10 @@ mod tests {
             provenance(&scene, &meshed, point, normal)?.event
         });
         let told: Vec<String> = told.collect();
-        assert!(told.iter().any(|event| event.starts_with("contact: touches ")), "{told:?}");
+        // The blocks are white, and there is one light.
+        let expected = "vertex-edge: an edge of cornell (white) before a corner of cornell (light)";
+        assert!(told.iter().any(|event| event == expected), "{told:?}");
+        assert!(told.iter().all(|event| event.contains("(white)") || event.starts_with("source-plane")), "{told:?}");
     }
 
     #[test]

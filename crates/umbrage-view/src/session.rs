@@ -75,11 +75,6 @@ impl Session {
         }
     }
 
-    /// Whether the file is a scene, which was baked here.
-    pub(crate) fn is_scene(&self) -> bool {
-        self.loaded.as_ref().is_some_and(|loaded| loaded.baked.is_some())
-    }
-
     /// The file's name.
     pub(crate) fn name(&self) -> String {
         let path = &self.job.path;
@@ -124,7 +119,7 @@ mod tests {
         let ctx = Context::default();
         let mut session = Session::new(Job { path: path.clone(), reading: SceneArgs::default(), settings }, &ctx);
         wait(&mut session, &ctx);
-        assert!(session.is_scene());
+        assert!(session.loaded.as_ref().unwrap().baked.is_some());
         let before = session.loaded.as_ref().unwrap().tables.vertices.clone();
 
         fs::copy(scenes.join("furnace.glb"), &path).unwrap();

@@ -28,7 +28,7 @@ pub(crate) struct Targets {
 /// The picture could not be read back.
 #[derive(Debug, thiserror::Error)]
 #[error("the graphics driver does not give the picture back")]
-pub struct ReadBackError;
+pub(crate) struct ReadBackError;
 
 impl Targets {
     /// Textures of a size, which is at least 1 and at most what the device can.

@@ -1,13 +1,14 @@
 //! The window: the view of the scene, the panel beside it, and what one asks of the other.
 
+use std::sync::Arc;
+use std::time::Duration;
+
 use anyhow::{Context as _, anyhow};
 use eframe::egui::{
     self, CentralPanel, Color32, Context, Frame as EguiFrame, Pos2, Rect, Sense, SidePanel, Ui, pos2, vec2,
 };
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use eframe::emath::GuiRounding;
-use std::sync::Arc;
-use std::time::Duration;
 use umbrage::bake::BakeSettings;
 use umbrage_cli::camera::SizeArgs;
 use umbrage_cli::shown::from_file;
@@ -45,8 +46,7 @@ const PROGRESS_EVERY: Duration = Duration::from_millis(100);
 /// # Errors
 /// Where there is no screen or no graphics driver.
 pub fn open(options: ViewOptions) -> anyhow::Result<()> {
-    let mut setup = WgpuSetupCreateNew::default();
-    setup.device_descriptor = Arc::new(device_descriptor);
+    let setup = WgpuSetupCreateNew { device_descriptor: Arc::new(device_descriptor), ..WgpuSetupCreateNew::default() };
     let native = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default().with_inner_size(SIZE).with_min_inner_size(LEAST_SIZE),
         renderer: eframe::Renderer::Wgpu,
