@@ -9,7 +9,7 @@ use crate::gpu::Gpu;
 use crate::lens::Lens;
 use crate::load::load;
 use crate::marks::Marker;
-use crate::options::{ViewOptions, first_look};
+use crate::options::{ViewOptions, first_look, first_scale};
 use crate::targets::Targets;
 use crate::upload::UploadedMarks;
 
@@ -42,8 +42,9 @@ pub fn screenshot(options: &ViewOptions, gpu: Gpu) -> anyhow::Result<Picture> {
     let look = first_look(&options.look, options.lines, &loaded.shown.file);
     renderer.draw(&Frame { lens, look }, &targets, &loaded.tables, &scene, &marks.iter().collect::<Vec<_>>());
     let mut picture = targets.picture(&renderer)?;
-    if let (Show::Irradiance, Some(unit)) = (look.show, options.look.false_color) {
-        unit.scale(f64::from(look.scale_end) * unit.per_file_unit()).draw(&mut picture);
+    if look.show == Show::Irradiance {
+        let (unit, end) = first_scale(&options.look, &loaded.shown.file);
+        unit.scale(end).draw(&mut picture);
     }
     Ok(picture)
 }

@@ -46,10 +46,15 @@ pub struct ViewOptions {
     pub lines: LineArgs,
 }
 
-/// What is shown of a file first, and where the scale of false colours ends, in the file's unit.
-pub(crate) fn first_look(look: &LookArgs, lines: LineArgs, file: &BakedFile) -> FrameLook {
+/// The scale of false colours: its unit, and where it ends in it.
+pub(crate) fn first_scale(look: &LookArgs, file: &BakedFile) -> (Unit, f64) {
     let unit = look.false_color.unwrap_or(Unit::W);
-    let end = look.scale_end.unwrap_or_else(|| unit.scale_end(file));
+    (unit, look.scale_end.unwrap_or_else(|| unit.scale_end(file)))
+}
+
+/// What is shown of a file first.
+pub(crate) fn first_look(look: &LookArgs, lines: LineArgs, file: &BakedFile) -> FrameLook {
+    let (unit, end) = first_scale(look, file);
     FrameLook {
         show: match look.colors() {
             Colors::Seen => Show::Surfaces,

@@ -67,7 +67,10 @@ fn on_scale(at: f32) -> vec3<f32> {
 @fragment
 fn shade(in: Between) -> @location(0) vec4<f32> {
   let texel = textureSample(image, image_sampler, in.uv).rgb;
-  let away = in.corner / max(fwidth(in.corner), vec3<f32>(1e-9));
+  // Distance from each edge, in pixels.
+  let across = dpdx(in.corner);
+  let down = dpdy(in.corner);
+  let away = in.corner / max(sqrt(across * across + down * down), vec3<f32>(1e-9));
   var color: vec3<f32>;
   if view.show == 2u {
     color = on_scale(in.irradiance / view.scale_end);
