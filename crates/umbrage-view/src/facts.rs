@@ -5,7 +5,7 @@ use umbrage_cli::look::Unit;
 use umbrage_picture::color::luminance;
 
 use crate::load::Loaded;
-use crate::marks::{Mark, Marker};
+use crate::marks::{Mark, Marker, cross};
 use crate::pick::{Hit, light};
 use crate::provenance::provenance;
 
@@ -19,7 +19,7 @@ pub(crate) const NOT_IN_FILE: &str =
 /// A point that was picked.
 pub(crate) struct Picked {
     pub(crate) facts: Vec<Fact>,
-    /// The patch there and the d-segment that cut it.
+    /// The point, the patch there and the d-segment that cut it.
     pub(crate) marks: Vec<Mark>,
 }
 
@@ -30,7 +30,7 @@ pub(crate) fn picked(loaded: &Loaded, hit: &Hit, unit: Unit) -> Picked {
     let quantity = |value: [f64; 3]| {
         let [r, g, b] = value.map(|channel| short(channel * unit.per_file_unit()));
         let mean = short(f64::from(luminance(value.map(|channel| channel as f32))) * unit.per_file_unit());
-        format!("{mean} {}  ({r} {g} {b})", unit.name())
+        format!("{mean} {}  ({r} {g} {b})", unit_name(unit))
     };
     let mut facts = vec![fact("position", metres(hit.point_m)), fact("normal", metres(hit.normal))];
     for (name, value) in [("node", &part.node_name), ("material", &part.material_name)] {
@@ -40,18 +40,25 @@ pub(crate) fn picked(loaded: &Loaded, hit: &Hit, unit: Unit) -> Picked {
     }
     facts.push(fact("irradiance", quantity(light.irradiance)));
     facts.push(fact("radiosity", quantity(light.radiosity)));
-    let Some(baked) = &loaded.baked else { return Picked { facts, marks: Vec::new() } };
+    let origin_m = loaded.tables.origin_m;
+    let mut marks: Vec<Mark> = cross(hit.point_m - origin_m, hit.normal, loaded.tables.size_m()).into();
+    let Some(baked) = &loaded.baked else { return Picked { facts, marks } };
     let Some(found) = provenance(&baked.scene, &baked.meshed, hit.point_m, hit.normal) else {
         facts.push(fact("face", "none is here: the point is on an edge".into()));
-        return Picked { facts, marks: Vec::new() };
+        return Picked { facts, marks };
     };
     facts.push(fact("face", found.face.index().to_string()));
-    let patch = format!("{}, level {}, {} m2", found.patch.index(), found.level, short(found.area_m2));
+    let patch = format!("{}, level {}, {} m²", found.patch.index(), found.level, short(found.area_m2));
     facts.push(fact("patch", patch));
     facts.push(fact("cut by", found.cut.unwrap_or_else(|| "nothing: it is the whole face".into())));
     facts.extend(found.event.map(|event| fact("event", event)));
-    let marker = Marker { meshed: &baked.meshed, origin_m: loaded.tables.origin_m };
-    Picked { facts, marks: marker.picked(found.patch, found.hint) }
+    marks.extend(Marker { meshed: &baked.meshed, origin_m }.picked(found.patch, found.hint));
+    Picked { facts, marks }
+}
+
+/// What a unit is called on a screen that has all letters.
+pub(crate) fn unit_name(unit: Unit) -> &'static str {
+    if unit == Unit::W { "W/m²" } else { unit.name() }
 }
 
 /// What is worth knowing of what is open.
@@ -71,7 +78,7 @@ pub(crate) fn about(loaded: &Loaded) -> Vec<Fact> {
     } else if let Some(error) = file.extras.get("error").and_then(serde_json::Value::as_f64) {
         facts.push(fact("error", format!("{:.2} % of the mean, estimated", 100.0 * error)));
     }
-    facts.push(fact("exposure", format!("{} per W/(m2 sr)", short(file.exposure_k))));
+    facts.push(fact("exposure", format!("{} per W/(m² sr)", short(file.exposure_k))));
     facts
 }
 

@@ -1,8 +1,11 @@
 //! The legend of false colours, in the lower left corner of the view.
 
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, pos2, vec2};
+use umbrage_cli::look::Unit;
 use umbrage_picture::Scale;
 use umbrage_picture::color::{on_scale, srgb8_from_linear};
+
+use crate::facts::unit_name;
 
 /// Sizes in points.
 const MARGIN: f32 = 10.0;
@@ -16,8 +19,8 @@ const STRIPS: usize = 120;
 const PAPER: Color32 = Color32::from_black_alpha(190);
 const INK: Color32 = Color32::from_gray(225);
 
-/// Draws the legend of `scale` within `view`, narrower where there is little room.
-pub(crate) fn draw(painter: &Painter, view: Rect, scale: &Scale) {
+/// Draws the legend of `scale`, which is in `unit`, within `view`, narrower where there is little room.
+pub(crate) fn draw(painter: &Painter, view: Rect, unit: Unit, scale: &Scale) {
     let bar_width = BAR[0].min(view.width() - 2.0 * (MARGIN + PADDING) - ROOM_FOR_UNIT);
     if bar_width < BAR[1] {
         return;
@@ -42,8 +45,7 @@ pub(crate) fn draw(painter: &Painter, view: Rect, scale: &Scale) {
         painter.line_segment([pos2(x, bar.bottom()), pos2(x, bar.bottom() + 4.0)], (1.0, INK));
         write(painter, pos2(x, bar.bottom() + 5.0), Align2::CENTER_TOP, text);
     }
-    let unit = if scale.unit == "W/m2" { "W/m²" } else { scale.unit };
-    write(painter, pos2(bar.right() + 8.0, bar.center().y), Align2::LEFT_CENTER, unit);
+    write(painter, pos2(bar.right() + 8.0, bar.center().y), Align2::LEFT_CENTER, unit_name(unit));
 }
 
 fn write(painter: &Painter, at: Pos2, align: Align2, text: &str) {

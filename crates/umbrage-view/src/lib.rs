@@ -16,13 +16,14 @@
 //! | `gpu`, `pipelines`, `upload`, `targets`, `draw` | drawing; `shader` and the `.wgsl` files are the shaders |
 //! | `headless` | a picture without a window |
 //! | `window`, `session`, `screen` | the window, the file that is open in it, and the scene on its screen |
-//! | `navigate`, `panel`, `controls`, `legend`, `facts`, `save` | hands, the panel and its parts |
+//! | `navigate`, `panel`, `controls`, `progress`, `legend`, `facts`, `save`, `dress` | hands, the panel and its parts |
 //!
 //! Holds: no text of a file and no driver makes it panic; what a graphics processor draws is within two codes of the picture,
 //! but for pixels at edges (`tests/agreement.rs`).
 
 mod controls;
 mod draw;
+mod dress;
 mod facts;
 mod gpu;
 mod headless;
@@ -36,6 +37,7 @@ mod options;
 mod panel;
 mod pick;
 mod pipelines;
+mod progress;
 mod provenance;
 mod save;
 mod screen;

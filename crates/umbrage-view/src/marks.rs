@@ -24,6 +24,8 @@ const PICKED_HINT: [u8; 3] = [255, 255, 255];
 /// Width of the lines of patches, and of what was picked, in pixels.
 const PATCH_WIDTH_PX: f64 = 1.2;
 const PICKED_WIDTH_PX: f64 = 3.0;
+/// Length of an arm of the cross on a point, as a share of the scene's size.
+const CROSS: f64 = 0.006;
 
 /// Makes lines of what a bake kept.
 #[derive(Clone, Copy)]
@@ -36,14 +38,7 @@ pub(crate) struct Marker<'a> {
 impl Marker<'_> {
     fn mark(&self, face: FaceId, ends_m: [DVec3; 2], color: LinearRgb, width_px: f64) -> Mark {
         let moved = self.meshed.prepared.origin_m - self.origin_m;
-        let [begin, end] = ends_m.map(|end| (moved + end).as_vec3().to_array());
-        let normal = self.meshed.prepared.normal(face).as_vec3().to_array();
-        let mut mark = [0.0; 13];
-        for (words, vector) in mark.chunks_exact_mut(3).zip([begin, end, normal, color]) {
-            words.copy_from_slice(&vector);
-        }
-        mark[12] = 0.5 * width_px as f32;
-        mark
+        mark(ends_m.map(|end| moved + end), self.meshed.prepared.normal(face), color, width_px)
     }
 
     /// The d-segments of the degrees that are asked for, those that jump most last, so that they are drawn over the others.
@@ -113,6 +108,26 @@ impl Marker<'_> {
     }
 }
 
+/// A line between two points relative to the file's origin.
+fn mark(ends_m: [DVec3; 2], normal: DVec3, color: LinearRgb, width_px: f64) -> Mark {
+    let [begin, end, normal] = [ends_m[0], ends_m[1], normal].map(|vector| vector.as_vec3().to_array());
+    let mut mark = [0.0; 13];
+    for (words, vector) in mark.chunks_exact_mut(3).zip([begin, end, normal, color]) {
+        words.copy_from_slice(&vector);
+    }
+    mark[12] = 0.5 * width_px as f32;
+    mark
+}
+
+/// A cross on a point of a surface, relative to the file's origin, in a scene of `size_m`.
+pub(crate) fn cross(point_m: DVec3, normal: DVec3, size_m: f64) -> [Mark; 2] {
+    let first = normal.any_orthonormal_vector();
+    [first, normal.cross(first)].map(|along| {
+        let arm_m = CROSS * size_m * along;
+        mark([point_m - arm_m, point_m + arm_m], normal, linear_from_srgb8(PICKED), PICKED_WIDTH_PX)
+    })
+}
+
 /// How often the face was split to make a patch.
 pub(crate) fn level_of(meshed: &Meshed, patch: &Patch) -> usize {
     std::iter::successors(patch.parent, |&parent| meshed.mesh.patch(parent).parent).count()
@@ -168,6 +183,16 @@ pub(crate) mod tests {
         let counts: Vec<usize> = (0..=deepest).map(|level| marker.patches(level).len()).collect();
         assert!(deepest > 0 && counts.windows(2).all(|pair| pair[0] < pair[1]), "{counts:?}");
         assert_eq!((counts[0], counts[deepest]), (sides, sides + cuts));
+    }
+
+    #[test]
+    fn a_cross_lies_in_the_surface_around_its_point() {
+        let (point, normal) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.6, 0.0, 0.8));
+        for mark in cross(point, normal, 10.0) {
+            let [begin, end] = [0, 3].map(|at| DVec3::new(mark[at].into(), mark[at + 1].into(), mark[at + 2].into()));
+            assert!(((begin + end) / 2.0).distance(point) < 1e-6);
+            assert!((begin - point).dot(normal).abs() < 1e-6 && ((end - begin).length() - 0.12).abs() < 1e-6);
+        }
     }
 
     #[test]

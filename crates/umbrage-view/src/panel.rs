@@ -1,11 +1,9 @@
 //! The panel beside the view: all that can be set, and all that is told.
 
 use eframe::egui::{
-    self, Button, CollapsingHeader, Color32, ComboBox, DragValue, Grid, Label, ProgressBar, RichText, ScrollArea,
-    Slider, Ui,
+    Button, CollapsingHeader, Color32, ComboBox, DragValue, Grid, Label, RichText, ScrollArea, Slider, Ui,
 };
 use umbrage::bake::BakeSettings;
-use umbrage::progress::Stage;
 use umbrage_cli::look::Unit;
 use umbrage_formats::BakedCamera;
 use umbrage_picture::Tone;
@@ -14,12 +12,11 @@ use umbrage_picture::color::DEGREES;
 use crate::controls::Controls;
 use crate::draw::Show;
 use crate::facts::{Fact, NOT_IN_FILE, Picked, about};
-use crate::load::{Loaded, Loading};
+use crate::load::Loaded;
 use crate::marks::{POINTS, TRIANGLE, deepest};
+use crate::progress::progress;
 use crate::session::Session;
 
-/// The stages of a bake, in order.
-const STAGES: [Stage; 5] = [Stage::Prepare, Stage::Discontinuity, Stage::Transport, Stage::Solve, Stage::Shade];
 /// Reach of the exposure.
 const EXPOSURES: std::ops::RangeInclusive<f32> = 0.016..=64.0;
 
@@ -70,8 +67,10 @@ impl Panel<'_> {
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
             ui.add_space(6.0);
             ui.heading(self.session.name());
-            if let Some(loading) = &self.session.loading {
-                wish = progress(ui, loading);
+            if let Some(loading) = &self.session.loading
+                && progress(ui, loading)
+            {
+                wish = Some(Wish::Cancel);
             }
             if let Some(failure) = &self.session.failure {
                 ui.add(Label::new(RichText::new(failure).color(Color32::LIGHT_RED)).wrap());
@@ -241,7 +240,8 @@ impl Panel<'_> {
                 ui.label("Tolerance")
                     .on_hover_text("Error of the light between vertices, as a share of the mean light");
                 let mut percent = 100.0 * settings.shade.tolerance.min(1.0);
-                ui.add(DragValue::new(&mut percent).speed(0.01).range(0.05..=100.0).suffix(" %").max_decimals(3));
+                let told = |percent: f64, _| if percent < 100.0 { format!("{percent:.2} %") } else { "none".into() };
+                ui.add(DragValue::new(&mut percent).speed(0.01).range(0.05..=100.0).custom_formatter(told));
                 // 100 % is no refinement at all.
                 settings.shade.tolerance = if percent < 100.0 { 0.01 * percent } else { f64::INFINITY };
                 ui.end_row();
@@ -287,29 +287,4 @@ fn table<'a>(ui: &mut Ui, id: &str, rows: impl Iterator<Item = [&'a str; 2]>) {
             ui.end_row();
         }
     });
-}
-
-/// How far a bake is, and a button to stop it.
-pub(crate) fn progress(ui: &mut Ui, loading: &Loading) -> Option<Wish> {
-    let (text, share) = match loading.update() {
-        None => ("reading".to_owned(), None),
-        Some(update) => {
-            let number = STAGES.iter().position(|stage| *stage == update.stage).map_or(0, |i| i + 1);
-            let counted = if update.total > 0 { format!(" {}/{}", update.done, update.total) } else { String::new() };
-            let share = (update.total > 0).then(|| update.done as f32 / update.total as f32);
-            (format!("{number} of {}: {}{counted}", STAGES.len(), update.stage), share)
-        }
-    };
-    let bar = ProgressBar::new(share.unwrap_or(0.0)).animate(true);
-    ui.add(bar);
-    let mut wish = None;
-    ui.horizontal(|ui| {
-        ui.label(format!("{text}, {:.0} s", loading.elapsed().as_secs_f64()));
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if ui.button("Cancel").clicked() {
-                wish = Some(Wish::Cancel);
-            }
-        });
-    });
-    wish
 }

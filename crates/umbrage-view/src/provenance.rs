@@ -15,7 +15,7 @@ const BESIDE: f64 = 1e-5;
 const SAME_WAY: f64 = 0.999;
 
 /// What strengths are measured in, by degree.
-const UNITS: [&str; 3] = ["W/m2", "W/m3", "W/m4"];
+const UNITS: [&str; 3] = ["W/m²", "W/m³", "W/m⁴"];
 
 /// The patch at a point, and its history.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,36 +1,39 @@
 //! The window: the view of the scene, the panel beside it, and what one asks of the other.
 
+mod deeds;
+
 use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Context as _, anyhow};
 use eframe::egui::{
-    self, CentralPanel, Color32, Context, Frame as EguiFrame, Pos2, Rect, Sense, SidePanel, Ui, pos2, vec2,
+    self, CentralPanel, Color32, Context, Frame as EguiFrame, Margin, Rect, Sense, SidePanel, Ui, pos2, vec2,
 };
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use eframe::emath::GuiRounding;
 use umbrage::bake::BakeSettings;
 use umbrage_cli::camera::SizeArgs;
-use umbrage_cli::shown::from_file;
-use umbrage_formats::write_atomically;
 use umbrage_picture::Camera;
 
 use crate::controls::Controls;
 use crate::draw::{Frame, Show};
-use crate::facts::{Picked, picked};
+use crate::dress::{background, dress};
+use crate::facts::Picked;
 use crate::gpu::device_descriptor;
 use crate::legend;
 use crate::lens::Lens;
 use crate::marks::Marker;
-use crate::navigate::{Asked, navigate};
+use crate::navigate::navigate;
 use crate::options::ViewOptions;
-use crate::panel::{Panel, Wish, progress};
-use crate::pick::{Hit, nearest};
-use crate::save::free_name;
+use crate::panel::Panel;
+use crate::pick::Hit;
+use crate::progress::progress;
 use crate::screen::{Lines, Screen};
 use crate::session::{Session, WATCH_EVERY};
 use crate::viewpoint::Viewpoint;
 
+/// What desktops know the program as.
+const PROGRAM: &str = "umbrage-view";
 /// Size of the window at first, and the least, in points.
 const SIZE: [f32; 2] = [1280.0, 800.0];
 const LEAST_SIZE: [f32; 2] = [360.0, 300.0];
@@ -48,16 +51,19 @@ const PROGRESS_EVERY: Duration = Duration::from_millis(100);
 pub fn open(options: ViewOptions) -> anyhow::Result<()> {
     let setup = WgpuSetupCreateNew { device_descriptor: Arc::new(device_descriptor), ..WgpuSetupCreateNew::default() };
     let native = eframe::NativeOptions {
-        viewport: egui::ViewportBuilder::default().with_inner_size(SIZE).with_min_inner_size(LEAST_SIZE),
+        viewport: egui::ViewportBuilder::default()
+            .with_title(format!("{} - Umbrage", options.job.path.display()))
+            .with_app_id(PROGRAM)
+            .with_inner_size(SIZE)
+            .with_min_inner_size(LEAST_SIZE),
         renderer: eframe::Renderer::Wgpu,
         wgpu_options: WgpuConfiguration { wgpu_setup: WgpuSetup::CreateNew(setup), ..WgpuConfiguration::default() },
         ..eframe::NativeOptions::default()
     };
-    let title = format!("{} - Umbrage", options.job.path.display());
     let begin = move |context: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
         Ok(Box::new(Window::new(context, options)?))
     };
-    eframe::run_native(&title, native, Box::new(begin))
+    eframe::run_native(PROGRAM, native, Box::new(begin))
         .map_err(|error| anyhow!("no window can be opened: {error}; --screenshot OUT.png needs none"))
 }
 
@@ -82,7 +88,7 @@ struct Window {
 impl Window {
     fn new(context: &eframe::CreationContext<'_>, options: ViewOptions) -> anyhow::Result<Self> {
         let state = context.wgpu_render_state.as_ref().context("the window has no graphics driver")?;
-        context.egui_ctx.set_theme(egui::Theme::Dark);
+        dress(&context.egui_ctx);
         Ok(Self {
             session: Session::new(options.job.clone(), &context.egui_ctx),
             screen: Screen::new(state),
@@ -150,7 +156,7 @@ impl Window {
         }
         if self.controls.look.show == Show::Irradiance {
             let scale = self.controls.unit.scale(self.controls.scale_end(&loaded.shown.file));
-            legend::draw(ui.painter(), rect, &scale);
+            legend::draw(ui.painter(), rect, self.controls.unit, &scale);
         }
         if let Some(asked) = asked {
             self.answer(asked, &lens, rect, aspect);
@@ -172,43 +178,6 @@ impl Window {
         self.lines = asked;
     }
 
-    fn answer(&mut self, asked: Asked, lens: &Lens, rect: Rect, aspect: f64) {
-        match asked {
-            Asked::Pick(place) => {
-                self.hit = self.under(place, lens, rect);
-                self.tell();
-            }
-            Asked::Centre(place) => {
-                if let (Some(hit), Some(view)) = (self.under(place, lens, rect), &mut self.view) {
-                    view.look_at(hit.point_m, glam::DVec3::NEG_Z);
-                }
-            }
-            Asked::Fit => self.fit(aspect),
-            Asked::Begin => self.view = self.begin,
-            Asked::Panel => self.controls.open = !self.controls.open,
-        }
-    }
-
-    fn fit(&mut self, aspect: f64) {
-        if let (Some(view), Some(loaded)) = (&mut self.view, &self.session.loaded) {
-            view.fit(loaded.tables.world_bounds_m(), aspect);
-        }
-    }
-
-    fn under(&self, place: Pos2, lens: &Lens, rect: Rect) -> Option<Hit> {
-        let file = &self.session.loaded.as_ref()?.shown.file;
-        let at = (place - rect.min) / rect.size();
-        nearest(file, lens.eye_m, lens.ray(f64::from(2.0 * at.x - 1.0), f64::from(1.0 - 2.0 * at.y)))
-    }
-
-    /// Tells of the point that was hit, and marks its patch.
-    fn tell(&mut self) {
-        let Some(loaded) = &self.session.loaded else { return };
-        self.picked = self.hit.as_ref().map(|hit| picked(loaded, hit, self.controls.unit));
-        let marks = self.picked.as_ref().map_or(&[][..], |picked| &picked.marks);
-        self.screen.set_lines(Lines::Picked, marks);
-    }
-
     /// What is seen while the file is opened for the first time.
     fn waiting(&mut self, ui: &mut Ui, rect: Rect) {
         let size = vec2(rect.width().min(420.0), 120.0);
@@ -216,13 +185,16 @@ impl Window {
         ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
             if let Some(loading) = &self.session.loading {
                 ui.heading(format!("Opening {}", self.session.name()));
-                if progress(ui, loading).is_some() {
+                if progress(ui, loading) {
                     self.session.cancel();
                 }
             } else if let Some(failure) = &self.session.failure {
                 ui.heading(format!("{} cannot be shown", self.session.name()));
                 ui.label(failure);
                 ui.weak("It is opened again when it changes.");
+                if ui.button("Open again").clicked() {
+                    self.session.open(&ui.ctx().clone());
+                }
             }
         });
     }
@@ -235,51 +207,6 @@ impl Window {
             self.controls.open = true;
         }
     }
-
-    fn grant(&mut self, wish: Wish, ctx: &Context, aspect: f64) {
-        match wish {
-            Wish::Fit => self.fit(aspect),
-            Wish::Begin => self.view = self.begin,
-            Wish::Camera(number) => {
-                let camera = self.session.loaded.as_ref().and_then(|loaded| {
-                    let camera = loaded.shown.file.cameras.get(number).map(from_file)?;
-                    let mut view = Viewpoint::new(&camera);
-                    view.turn_around(0.5 * loaded.tables.size_m(), false);
-                    Some(view)
-                });
-                self.view = camera.or(self.view);
-            }
-            Wish::Bake(settings) => self.session.bake(settings, ctx),
-            Wish::Cancel => self.session.cancel(),
-            Wish::SaveView => self.status = told(self.save_view()),
-            Wish::SaveBaked => self.status = told(self.save_baked()),
-        }
-    }
-
-    fn save_view(&self) -> anyhow::Result<String> {
-        let loaded = self.session.loaded.as_ref().context("nothing is shown yet")?;
-        let scale = self.controls.unit.scale(self.controls.scale_end(&loaded.shown.file));
-        let scale = (self.controls.look.show == Show::Irradiance).then_some(scale);
-        let picture = self.screen.picture(scale.as_ref()).context("nothing is drawn yet")??;
-        let path = free_name(&self.session.job.path, "view", "png");
-        write_atomically(&path, &picture.png()?)?;
-        Ok(path.display().to_string())
-    }
-
-    fn save_baked(&self) -> anyhow::Result<String> {
-        let baked = self.session.loaded.as_ref().and_then(|loaded| loaded.baked.as_ref());
-        let path = free_name(&self.session.job.path, "baked", "glb");
-        write_atomically(&path, &baked.context("nothing is baked yet")?.glb)?;
-        Ok(path.display().to_string())
-    }
-}
-
-/// What became of a save.
-fn told(saved: anyhow::Result<String>) -> String {
-    match saved {
-        Ok(path) => format!("Saved {path}"),
-        Err(error) => format!("Not saved: {error:#}"),
-    }
 }
 
 impl eframe::App for Window {
@@ -291,7 +218,13 @@ impl eframe::App for Window {
         let unit = self.controls.unit;
         let mut wish = None;
         if self.controls.open && self.view.is_some() {
-            let panel = SidePanel::right("panel").default_width(PANEL[0]).min_width(PANEL[1]).max_width(0.8 * width);
+            let margin =
+                EguiFrame::side_top_panel(&ctx.style()).inner_margin(Margin { left: 8, right: 14, top: 2, bottom: 2 });
+            let panel = SidePanel::right("panel")
+                .default_width(PANEL[0])
+                .min_width(PANEL[1])
+                .max_width(0.8 * width)
+                .frame(margin);
             panel.show(ctx, |ui| {
                 let panel = Panel {
                     session: &self.session,
@@ -306,7 +239,7 @@ impl eframe::App for Window {
         if unit != self.controls.unit {
             self.tell();
         }
-        CentralPanel::default().frame(EguiFrame::NONE).show(ctx, |ui| {
+        CentralPanel::default().frame(EguiFrame::NONE.fill(background())).show(ctx, |ui| {
             let size = ui.max_rect().size();
             if let Some(wish) = wish {
                 self.grant(wish, ctx, f64::from(size.x / size.y.max(1.0)));
