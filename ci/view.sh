@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 has_driver() {
-    ldconfig -p | grep -q libEGL_mesa || compgen -G '/usr/share/vulkan/icd.d/*.json' >/dev/null
+    [[ $(ldconfig -p) == *libEGL_mesa* ]] || compgen -G '/usr/share/vulkan/icd.d/*.json' >/dev/null
 }
 
 if ! has_driver && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then

@@ -31,22 +31,26 @@ impl Gpu {
     /// # Errors
     /// [`GpuError`] where there is none.
     pub fn headless() -> Result<Self, GpuError> {
-        let adapter = match Backends::from_env() {
-            Some(backends) => adapter(backends)?,
+        match Backends::from_env() {
+            Some(backends) => Self::reached_by(backends),
             // OpenGL comes last: asking for it may start the system's display.
-            None => adapter(Backends::PRIMARY).or_else(|_| adapter(Backends::GL))?,
-        };
+            None => Self::reached_by(Backends::PRIMARY).or_else(|_| Self::reached_by(Backends::GL)),
+        }
+    }
+
+    /// The best device that works without a window and is reached in one of these ways.
+    ///
+    /// # Errors
+    /// [`GpuError`] where there is none.
+    pub fn reached_by(backends: Backends) -> Result<Self, GpuError> {
+        let instance = Instance::new(&InstanceDescriptor { backends, ..InstanceDescriptor::default() });
+        let power_preference = PowerPreference::HighPerformance;
+        let options = wgpu::RequestAdapterOptions { power_preference, ..wgpu::RequestAdapterOptions::default() };
+        let adapter = pollster::block_on(instance.request_adapter(&options))?;
         let (device, queue) = pollster::block_on(adapter.request_device(&device_descriptor(&adapter)))?;
         let info = adapter.get_info();
         Ok(Self { device, queue, name: format!("{} ({})", info.name, info.backend) })
     }
-}
-
-fn adapter(backends: Backends) -> Result<Adapter, GpuError> {
-    let instance = Instance::new(&InstanceDescriptor { backends, ..InstanceDescriptor::default() });
-    let power_preference = PowerPreference::HighPerformance;
-    let options = wgpu::RequestAdapterOptions { power_preference, ..wgpu::RequestAdapterOptions::default() };
-    Ok(pollster::block_on(instance.request_adapter(&options))?)
 }
 
 /// What is asked of a device: no more than what even OpenGL ES 3.0 has, but textures and buffers as large as it can.

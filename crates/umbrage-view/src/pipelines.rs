@@ -1,6 +1,5 @@
 //! How things are drawn: a pipeline for each kind.
 
-use umbrage_picture::{WIRE_OPACITY, WIRE_WIDTH_PX};
 use wgpu::{
     BindGroupLayout, BindGroupLayoutEntry, BindingType, BlendState, BufferBindingType, ColorTargetState, ColorWrites,
     CompareFunction, DepthBiasState, DepthStencilState, Device, Face, FragmentState, MultisampleState,
@@ -23,9 +22,8 @@ pub(crate) const FINISHED: TextureFormat = TextureFormat::Rgba8Unorm;
 /// Depth, reversed.
 pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
-/// Triangles without any light are drawn as if they were farther away by this share of their distance, and by what their
-/// depth changes over so many pixels.
-const DARK_FARTHER: f64 = 1e-3;
+/// Triangles without any light are drawn as if they were farther away by what their depth changes over so many pixels,
+/// besides what `shader` says.
 const DARK_FARTHER_PX: f32 = 4.0;
 
 /// The pipelines, and what their shaders take.
@@ -62,10 +60,9 @@ impl Pipelines {
         let texture_layout =
             layout(device, &[entry(0, ShaderStages::FRAGMENT, image(true)), entry(1, ShaderStages::FRAGMENT, sampler)]);
         let drawn_layout = layout(device, &[entry(0, ShaderStages::FRAGMENT, image(false))]);
-        let [surface, line, finish] =
-            [shader::surface(), shader::line(), shader::finish()].map(|text| module(device, text));
+        let [line, finish] = [shader::line(), shader::finish()].map(|text| module(device, text));
         let surfaces = [false, true].map(|dark| {
-            [false, true].map(|wire| surface_pipeline(device, &surface, &[&view_layout, &texture_layout], dark, wire))
+            [false, true].map(|wire| surface_pipeline(device, &[&view_layout, &texture_layout], dark, wire))
         });
         Self {
             surfaces,
@@ -109,7 +106,6 @@ fn depth(write: bool, bias: DepthBiasState) -> DepthStencilState {
 struct Kind<'a> {
     label: &'static str,
     entries: [&'static str; 2],
-    constants: &'a [(&'a str, f64)],
     buffers: &'a [VertexBufferLayout<'a>],
     primitive: PrimitiveState,
     depth: Option<DepthStencilState>,
@@ -123,15 +119,13 @@ fn pipeline(device: &Device, module: &ShaderModule, layouts: &[&BindGroupLayout]
         bind_group_layouts: layouts,
         push_constant_ranges: &[],
     });
-    let compilation_options =
-        PipelineCompilationOptions { constants: kind.constants, ..PipelineCompilationOptions::default() };
     device.create_render_pipeline(&RenderPipelineDescriptor {
         label: Some(kind.label),
         layout: Some(&layout),
         vertex: VertexState {
             module,
             entry_point: Some(kind.entries[0]),
-            compilation_options: compilation_options.clone(),
+            compilation_options: PipelineCompilationOptions::default(),
             buffers: kind.buffers,
         },
         primitive: kind.primitive,
@@ -140,7 +134,7 @@ fn pipeline(device: &Device, module: &ShaderModule, layouts: &[&BindGroupLayout]
         fragment: Some(FragmentState {
             module,
             entry_point: Some(kind.entries[1]),
-            compilation_options,
+            compilation_options: PipelineCompilationOptions::default(),
             targets: &[Some(kind.target)],
         }),
         multiview: None,
@@ -148,25 +142,13 @@ fn pipeline(device: &Device, module: &ShaderModule, layouts: &[&BindGroupLayout]
     })
 }
 
-fn surface_pipeline(
-    device: &Device,
-    module: &ShaderModule,
-    layouts: &[&BindGroupLayout],
-    dark: bool,
-    wire: bool,
-) -> RenderPipeline {
-    let constants = [
-        ("FARTHER", if dark { DARK_FARTHER } else { 0.0 }),
-        ("WIRE", f64::from(u8::from(wire))),
-        ("WIRE_RADIUS", 0.5 * WIRE_WIDTH_PX),
-        ("WIRE_OPACITY", f64::from(WIRE_OPACITY)),
-    ];
+fn surface_pipeline(device: &Device, layouts: &[&BindGroupLayout], dark: bool, wire: bool) -> RenderPipeline {
+    let module = module(device, shader::surface(dark, wire));
     // Depth is reversed: farther is less.
     let slope_scale = if dark { -DARK_FARTHER_PX } else { 0.0 };
     let kind = Kind {
         label: "surfaces",
         entries: ["place", "shade"],
-        constants: &constants,
         buffers: &[VertexBufferLayout {
             array_stride: size_of::<Vertex>() as u64,
             step_mode: VertexStepMode::Vertex,
@@ -177,7 +159,7 @@ fn surface_pipeline(
         target: DRAWN.into(),
         samples: SAMPLES,
     };
-    pipeline(device, module, layouts, kind)
+    pipeline(device, &module, layouts, kind)
 }
 
 fn line_pipeline(device: &Device, module: &ShaderModule, layouts: &[&BindGroupLayout]) -> RenderPipeline {
@@ -185,7 +167,6 @@ fn line_pipeline(device: &Device, module: &ShaderModule, layouts: &[&BindGroupLa
     let kind = Kind {
         label: "lines",
         entries: ["place", "shade"],
-        constants: &[],
         buffers: &[VertexBufferLayout {
             array_stride: size_of::<Mark>() as u64,
             step_mode: VertexStepMode::Instance,
@@ -203,7 +184,6 @@ fn finish_pipeline(device: &Device, module: &ShaderModule, layouts: &[&BindGroup
     let kind = Kind {
         label: "finish",
         entries: ["cover", "finish"],
-        constants: &[],
         buffers: &[],
         primitive: PrimitiveState::default(),
         depth: None,

@@ -4,13 +4,26 @@
 use std::fmt::Write;
 
 use umbrage_picture::color::{ShaderValue, shader_constants};
+use umbrage_picture::{WIRE_OPACITY, WIRE_WIDTH_PX};
 
 /// What the shaders of surfaces and lines know of the view.
 const VIEW: &str = include_str!("view.wgsl");
 
-/// Draws surfaces.
-pub(crate) fn surface() -> String {
-    constants() + VIEW + include_str!("surface.wgsl")
+/// Triangles without any light are drawn as if they were farther away by this share of their distance.
+const DARK_FARTHER: f32 = 1e-3;
+
+/// Draws surfaces, those without any light if they are `dark`, and the edges of triangles if `wire` says so.
+///
+/// These are constants of the text, and not of the pipeline: OpenGL's pipelines of one text may share a program.
+pub(crate) fn surface(dark: bool, wire: bool) -> String {
+    let kind = [
+        ("FARTHER", float(if dark { DARK_FARTHER } else { 0.0 })),
+        ("WIRE", wire.to_string()),
+        ("WIRE_RADIUS", float(0.5 * WIRE_WIDTH_PX as f32)),
+        ("WIRE_OPACITY", float(WIRE_OPACITY)),
+    ];
+    let kind: String = kind.iter().map(|(name, value)| format!("const {name} = {value};\n")).collect();
+    kind + &constants() + VIEW + include_str!("surface.wgsl")
 }
 
 /// Draws lines over them.

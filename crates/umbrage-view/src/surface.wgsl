@@ -1,14 +1,9 @@
 // Surfaces, from light to what is displayed: what the file color.rs of umbrage-picture says, with its numbers, which are put
 // before this text. What is written is linear; `finish.wgsl` encodes it.
-
-// As if all were this share of its distance farther away; it stays where it is on the screen.
-override FARTHER: f32 = 0.0;
-// Whether triangles are drawn without shared vertices, and their edges with them.
-override WIRE: bool = false;
-
-// Half the width of a line in pixels, and how much of the picture it hides.
-override WIRE_RADIUS: f32 = 0.0;
-override WIRE_OPACITY: f32 = 0.0;
+//
+// FARTHER: as if all were this share of its distance farther away; it stays where it is on the screen.
+// WIRE: whether triangles are drawn without shared vertices, and their edges with them.
+// WIRE_RADIUS, WIRE_OPACITY: half the width of a line in pixels, and how much of the picture it hides.
 
 struct Corner {
   @location(0) position_m: vec3<f32>,

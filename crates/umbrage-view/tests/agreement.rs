@@ -26,6 +26,7 @@ use umbrage_picture::{
     wireframe,
 };
 use umbrage_view::{Gpu, GpuError, Job, LineArgs, ViewOptions, screenshot};
+use wgpu::Backends;
 
 /// Codes that may differ between renderers of one picture.
 const TOLERANCE: u8 = 2;
@@ -79,19 +80,20 @@ fn cornell() -> &'static Path {
     path
 }
 
-/// A device, or nothing where there is no graphics driver.
-fn gpu() -> Option<Gpu> {
-    match Gpu::headless() {
-        Ok(gpu) => {
-            eprintln!("drawn by {}", gpu.name);
-            Some(gpu)
+/// Devices, by all ways to reach one; none where there is no graphics driver.
+fn gpus() -> Vec<Gpu> {
+    let mut gpus = Vec::new();
+    for backends in [Backends::PRIMARY, Backends::GL] {
+        match Gpu::reached_by(backends) {
+            Ok(gpu) => {
+                eprintln!("drawn by {}", gpu.name);
+                gpus.push(gpu);
+            }
+            Err(error @ GpuError::NoAdapter(_)) => eprintln!("skipped: {error}"),
+            Err(error) => panic!("{error}"),
         }
-        Err(error @ GpuError::NoAdapter(_)) => {
-            eprintln!("skipped: {error}");
-            None
-        }
-        Err(error) => panic!("{error}"),
     }
+    gpus
 }
 
 fn seen(path: &Path, words: &str, gpu: Gpu) -> Picture {
@@ -138,15 +140,17 @@ fn spread(codes: &[[u8; 3]], width: usize, at: usize) -> u8 {
 
 #[test]
 fn the_window_shows_the_picture_but_for_pixels_on_edges() {
-    let Some(gpu) = gpu() else { return };
-    for words in [
+    let gpus = gpus();
+    let all = |words| gpus.iter().map(move |gpu| (words, gpu));
+    let looks = [
         "",
         "--exposure 2.5",
         "--exposure 3 --tone filmic",
         "--light-only",
         "--false-color lx --scale-end 2000",
         "--false-color",
-    ] {
+    ];
+    for (words, gpu) in looks.into_iter().flat_map(all) {
         let pictures = [expected(cornell(), words, |_, _| Vec::new()), seen(cornell(), words, gpu.clone())];
         let [expected, seen] = pictures.each_ref().map(codes);
         assert_eq!(expected.len(), seen.len());
@@ -202,22 +206,20 @@ fn check_lines(words: &str, [plain, expected, seen]: [&Picture; 3]) {
 
 #[test]
 fn triangles_are_drawn_as_a_picture_draws_them() {
-    let Some(gpu) = gpu() else { return };
     let plain = expected(cornell(), "", |_, _| Vec::new());
     let wired = expected(cornell(), "", |shown, camera| {
         let meshes = shown.meshes(umbrage_cli::shown::Colors::Seen, shown.file.exposure_k);
         let lines = wireframe(&meshes, camera.eye_m);
         vec![LineSet { color: LineColor::Contrast, opacity: WIRE_OPACITY, width_px: WIRE_WIDTH_PX, lines }]
     });
-    check_lines("triangles", [&plain, &wired, &seen(cornell(), "--wireframe", gpu)]);
+    for gpu in gpus() {
+        check_lines("triangles", [&plain, &wired, &seen(cornell(), "--wireframe", gpu)]);
+    }
 }
 
 #[test]
 fn shadow_edges_of_a_scene_are_drawn_as_a_picture_draws_them() {
-    let Some(gpu) = gpu() else { return };
     let scene = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../testdata/scenes/cornell.glb");
-    let seen = seen(&scene, "--segments", gpu);
-
     // The same bake as a file, and the d-segments of the same scene.
     let (read, _) = umbrage_formats::read_scene(&scene).unwrap();
     let baked = bake(&read, &coarse(), Progress::silent()).unwrap();
@@ -227,7 +229,9 @@ fn shadow_edges_of_a_scene_are_drawn_as_a_picture_draws_them() {
     let segments = d_segments(&read, Progress::silent()).unwrap();
     let plain = expected(&path, "", |_, _| Vec::new());
     let lined = expected(&path, "", |_, _| [2, 1, 0].map(|degree| set(&segments, degree)).into());
-    check_lines("d-segments", [&plain, &lined, &seen]);
+    for gpu in gpus() {
+        check_lines("d-segments", [&plain, &lined, &seen(&scene, "--segments", gpu)]);
+    }
 }
 
 fn set(segments: &[DrawnSegment], degree: u8) -> LineSet {
@@ -245,7 +249,7 @@ fn set(segments: &[DrawnSegment], degree: u8) -> LineSet {
 
 #[test]
 fn a_baked_file_says_that_it_has_no_shadow_edges() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = gpus().pop() else { return };
     let Args { size, camera, look, lines } = Args::parsed("--segments");
     let job = Job { path: cornell().into(), reading: SceneArgs::default(), settings: coarse() };
     let error = screenshot(&ViewOptions { job, size, camera, look, lines }, gpu).unwrap_err();
