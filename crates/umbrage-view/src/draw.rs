@@ -4,7 +4,7 @@ use umbrage_picture::Tone;
 use umbrage_picture::color::{BACKGROUND, linear_from_srgb8, srgb8_from_linear};
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, Buffer, BufferDescriptor, BufferUsages, Color, CommandEncoder,
-    Device, IndexFormat, LoadOp, Operations, Queue, RenderPass, RenderPassColorAttachment,
+    Device, DeviceType, IndexFormat, LoadOp, Operations, Queue, RenderPass, RenderPassColorAttachment,
     RenderPassDepthStencilAttachment, RenderPassDescriptor, StoreOp,
 };
 
@@ -48,6 +48,8 @@ pub(crate) struct FrameLook {
 pub(crate) struct Frame {
     pub(crate) lens: Lens,
     pub(crate) look: FrameLook,
+    /// Whether it is dithered, as for a screen; a picture that is saved is rounded, as all pictures are.
+    pub(crate) dither: bool,
 }
 
 /// Draws frames.
@@ -57,10 +59,13 @@ pub(crate) struct Renderer {
     pub(crate) pipelines: Pipelines,
     view: Buffer,
     view_group: BindGroup,
+    /// Whether textures are kept in half floats: see `upload`.
+    pub(crate) float_textures: bool,
 }
 
 impl Renderer {
-    pub(crate) fn new(device: Device, queue: Queue) -> Self {
+    /// A renderer with a device; `kind` is what works for it.
+    pub(crate) fn new(device: Device, queue: Queue, kind: DeviceType) -> Self {
         let pipelines = Pipelines::new(&device);
         let view = device.create_buffer(&BufferDescriptor {
             label: Some("view"),
@@ -73,12 +78,12 @@ impl Renderer {
             layout: &pipelines.view_layout,
             entries: &[BindGroupEntry { binding: 0, resource: view.as_entire_binding() }],
         });
-        Self { device, queue, pipelines, view, view_group }
+        Self { device, queue, pipelines, view, view_group, float_textures: kind == DeviceType::Cpu }
     }
 
     /// A scene in the memory of the graphics processor.
     pub(crate) fn upload(&self, tables: &Tables) -> Uploaded {
-        Uploaded::new(&self.device, &self.queue, &self.pipelines, tables)
+        Uploaded::new(self, tables)
     }
 
     /// Draws a frame into `targets`.
@@ -101,7 +106,7 @@ impl Renderer {
             pass.draw(0..4, 0..marks.count);
         }
         drop(pass);
-        self.finish(&mut encoder, targets);
+        self.finish(&mut encoder, targets, frame.dither);
         self.queue.submit([encoder.finish()]);
     }
 
@@ -130,7 +135,7 @@ impl Renderer {
         }
     }
 
-    fn finish(&self, encoder: &mut CommandEncoder, targets: &Targets) {
+    fn finish(&self, encoder: &mut CommandEncoder, targets: &Targets, dither: bool) {
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some("finish"),
             color_attachments: &[Some(RenderPassColorAttachment {
@@ -141,7 +146,7 @@ impl Renderer {
             })],
             ..RenderPassDescriptor::default()
         });
-        pass.set_pipeline(&self.pipelines.finish);
+        pass.set_pipeline(self.pipelines.finish(dither));
         pass.set_bind_group(0, &targets.drawn_group, &[]);
         pass.draw(0..3, 0..1);
     }
@@ -195,7 +200,7 @@ mod tests {
         let camera = Camera::looking(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, 90.0);
         let lens = Lens::new(&camera, 1.0, DVec3::ZERO, [DVec3::NEG_ONE, DVec3::ONE]).unwrap();
         let look = FrameLook { show: Show::Irradiance, exposure: 3.0, tone: Tone::Filmic, scale_end: 7.0, wire: false };
-        let bytes = view_bytes(&Frame { lens, look }, [640, 480]);
+        let bytes = view_bytes(&Frame { lens, look, dither: true }, [640, 480]);
         let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
         let float = |at| f32::from_bits(word(at));
         assert_eq!([64, 68, 72].map(float), [0.0, 0.0, 5.0]);

@@ -1,5 +1,5 @@
-// From displayed light to the screen's eight bits: encoded as sRGB, and dithered, so that a gradient in the dark shows no
-// bands. A value that is a code stays that code.
+// From displayed light to the screen's eight bits: encoded as sRGB, and with DITHER dithered, so that a gradient in the dark
+// shows no bands. A value that is a code stays that code.
 //
 // Source of the pattern: J. Jimenez, Next Generation Post Processing in Call of Duty, 2014 (interleaved gradient noise).
 
@@ -22,6 +22,7 @@ fn finish(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
   let pixel = floor(at.xy);
   let noise = fract(52.9829189 * fract(0.06711056 * pixel.x + 0.00583715 * pixel.y));
   // Rounding up or down, by how near the value is to each; a hair of a code either way is rounding of half precision.
-  let codes = floor(255.0 * encoded(color) + clamp(noise, 0.06, 0.94));
+  let round_up = select(0.5, clamp(noise, 0.06, 0.94), DITHER);
+  let codes = floor(255.0 * encoded(color) + round_up);
   return vec4<f32>(codes / 255.0, 1.0);
 }

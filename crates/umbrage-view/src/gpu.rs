@@ -21,6 +21,7 @@ pub enum GpuError {
 pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
+    pub(crate) kind: wgpu::DeviceType,
     /// What it is called, and how it is reached.
     pub name: String,
 }
@@ -49,7 +50,7 @@ impl Gpu {
         let adapter = pollster::block_on(instance.request_adapter(&options))?;
         let (device, queue) = pollster::block_on(adapter.request_device(&device_descriptor(&adapter)))?;
         let info = adapter.get_info();
-        Ok(Self { device, queue, name: format!("{} ({})", info.name, info.backend) })
+        Ok(Self { device, queue, kind: info.device_type, name: format!("{} ({})", info.name, info.backend) })
     }
 }
 

@@ -23,7 +23,7 @@ pub fn screenshot(options: &ViewOptions, gpu: Gpu) -> anyhow::Result<Picture> {
     if options.lines.needs_bake() && loaded.baked.is_none() {
         bail!("{path}: a baked file does not hold shadow edges and patches: give the scene that it was baked from");
     }
-    let renderer = Renderer::new(gpu.device, gpu.queue);
+    let renderer = Renderer::new(gpu.device, gpu.queue, gpu.kind);
     let size = [options.size.width, options.size.height].map(|side| side as u32);
     let targets = Targets::new(&renderer, size);
     ensure!(targets.size_px == size, "{} x {} pixels are more than this graphics driver can draw", size[0], size[1]);
@@ -40,7 +40,13 @@ pub fn screenshot(options: &ViewOptions, gpu: Gpu) -> anyhow::Result<Picture> {
     }
     let marks: Vec<_> = marks.iter().map(|marks| UploadedMarks::new(&renderer.device, marks)).collect();
     let look = first_look(&options.look, options.lines, &loaded.shown.file);
-    renderer.draw(&Frame { lens, look }, &targets, &loaded.tables, &scene, &marks.iter().collect::<Vec<_>>());
+    renderer.draw(
+        &Frame { lens, look, dither: false },
+        &targets,
+        &loaded.tables,
+        &scene,
+        &marks.iter().collect::<Vec<_>>(),
+    );
     let mut picture = targets.picture(&renderer)?;
     if look.show == Show::Irradiance {
         let (unit, end) = first_scale(&options.look, &loaded.shown.file);

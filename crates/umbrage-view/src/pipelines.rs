@@ -31,7 +31,8 @@ pub(crate) struct Pipelines {
     /// Surfaces by whether they are dark, then by whether triangles are drawn.
     surfaces: [[RenderPipeline; 2]; 2],
     pub(crate) lines: RenderPipeline,
-    pub(crate) finish: RenderPipeline,
+    /// What the screen takes, by whether it is dithered.
+    finish: [RenderPipeline; 2],
     pub(crate) view_layout: BindGroupLayout,
     pub(crate) texture_layout: BindGroupLayout,
     pub(crate) drawn_layout: BindGroupLayout,
@@ -60,14 +61,14 @@ impl Pipelines {
         let texture_layout =
             layout(device, &[entry(0, ShaderStages::FRAGMENT, image(true)), entry(1, ShaderStages::FRAGMENT, sampler)]);
         let drawn_layout = layout(device, &[entry(0, ShaderStages::FRAGMENT, image(false))]);
-        let [line, finish] = [shader::line(), shader::finish()].map(|text| module(device, text));
+        let line = module(device, shader::line());
         let surfaces = [false, true].map(|dark| {
             [false, true].map(|wire| surface_pipeline(device, &[&view_layout, &texture_layout], dark, wire))
         });
         Self {
             surfaces,
             lines: line_pipeline(device, &line, &[&view_layout]),
-            finish: finish_pipeline(device, &finish, &[&drawn_layout]),
+            finish: [false, true].map(|dither| finish_pipeline(device, &[&drawn_layout], dither)),
             view_layout,
             texture_layout,
             drawn_layout,
@@ -76,6 +77,10 @@ impl Pipelines {
 
     pub(crate) fn surfaces(&self, dark: bool, wire: bool) -> &RenderPipeline {
         &self.surfaces[usize::from(dark)][usize::from(wire)]
+    }
+
+    pub(crate) fn finish(&self, dither: bool) -> &RenderPipeline {
+        &self.finish[usize::from(dither)]
     }
 }
 
@@ -180,7 +185,8 @@ fn line_pipeline(device: &Device, module: &ShaderModule, layouts: &[&BindGroupLa
     pipeline(device, module, layouts, kind)
 }
 
-fn finish_pipeline(device: &Device, module: &ShaderModule, layouts: &[&BindGroupLayout]) -> RenderPipeline {
+fn finish_pipeline(device: &Device, layouts: &[&BindGroupLayout], dither: bool) -> RenderPipeline {
+    let module = module(device, shader::finish(dither));
     let kind = Kind {
         label: "finish",
         entries: ["cover", "finish"],
@@ -190,5 +196,5 @@ fn finish_pipeline(device: &Device, module: &ShaderModule, layouts: &[&BindGroup
         target: FINISHED.into(),
         samples: 1,
     };
-    pipeline(device, module, layouts, kind)
+    pipeline(device, &module, layouts, kind)
 }

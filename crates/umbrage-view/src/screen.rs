@@ -32,7 +32,7 @@ pub(crate) struct Screen {
 
 impl Screen {
     pub(crate) fn new(state: &RenderState) -> Self {
-        let renderer = Renderer::new(state.device.clone(), state.queue.clone());
+        let renderer = Renderer::new(state.device.clone(), state.queue.clone(), state.adapter.get_info().device_type);
         let (scene, lines, targets, drawn) = (None, [const { None }; 3], None, None);
         Self { state: state.clone(), renderer, scene, lines, targets, drawn }
     }
@@ -77,9 +77,12 @@ impl Screen {
         Some(*id)
     }
 
-    /// What is on the screen, with a legend if there is a scale.
-    pub(crate) fn picture(&self, scale: Option<&Scale>) -> Option<Result<Picture, ReadBackError>> {
-        let (targets, _) = self.targets.as_ref()?;
+    /// What is on the screen as a picture to be saved, with a legend if there is a scale.
+    pub(crate) fn picture(&mut self, tables: &Tables, scale: Option<&Scale>) -> Option<Result<Picture, ReadBackError>> {
+        let frame = Frame { dither: false, ..self.drawn.take()? };
+        let ((targets, _), scene) = (self.targets.as_ref()?, self.scene.as_ref()?);
+        let lines: Vec<_> = self.lines.iter().flatten().collect();
+        self.renderer.draw(&frame, targets, tables, scene, &lines);
         Some(targets.picture(&self.renderer).map(|mut picture| {
             scale.into_iter().for_each(|scale| scale.draw(&mut picture));
             picture

@@ -31,9 +31,9 @@ pub(crate) fn line() -> String {
     VIEW.to_owned() + include_str!("line.wgsl")
 }
 
-/// Makes what a screen takes of what was drawn.
-pub(crate) fn finish() -> String {
-    constants() + include_str!("finish.wgsl")
+/// Makes what a screen takes of what was drawn, dithered or rounded.
+pub(crate) fn finish(dither: bool) -> String {
+    format!("const DITHER = {dither};\n") + &constants() + include_str!("finish.wgsl")
 }
 
 /// Declarations of all constants.

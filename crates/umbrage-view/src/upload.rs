@@ -3,17 +3,17 @@
 use std::cell::OnceCell;
 
 use umbrage_picture::color::srgb8_from_linear;
-use umbrage_picture::{Texture, Wrap};
+use umbrage_picture::{LinearRgb, Wrap};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{
     AddressMode, BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferUsages, Device,
-    Extent3d, FilterMode, Queue, SamplerDescriptor, TexelCopyBufferLayout, TexelCopyTextureInfo, TextureDescriptor,
+    Extent3d, FilterMode, SamplerDescriptor, TexelCopyBufferLayout, TexelCopyTextureInfo, TextureDescriptor,
     TextureDimension, TextureFormat, TextureUsages, TextureViewDescriptor,
 };
 
+use crate::draw::Renderer;
 use crate::layout::{Group, Tables};
 use crate::marks::Mark;
-use crate::pipelines::Pipelines;
 
 /// Texels looked at along a surface that is seen at a grazing angle.
 const ANISOTROPY: u16 = 8;
@@ -30,15 +30,19 @@ pub(crate) struct Uploaded {
 }
 
 impl Uploaded {
-    pub(crate) fn new(device: &Device, queue: &Queue, pipelines: &Pipelines, tables: &Tables) -> Self {
-        let largest = device.limits().max_texture_dimension_2d;
+    pub(crate) fn new(renderer: &Renderer, tables: &Tables) -> Self {
+        let device = &renderer.device;
+        let largest = device.limits().max_texture_dimension_2d as usize;
         let mut textures: Vec<BindGroup> = tables
             .textures
             .iter()
-            .map(|texture| bind(device, queue, pipelines, &levels(texture, largest), texture.wrap()))
+            .map(|texture| {
+                let fits = |size: [usize; 2]| size.iter().all(|&side| side <= largest);
+                let levels: Vec<Level<'_>> = texture.levels().filter(|(size, _)| fits(*size)).collect();
+                bind(renderer, &levels, texture.wrap())
+            })
             .collect();
-        let white = [([1, 1], vec![255; 4])];
-        textures.push(bind(device, queue, pipelines, &white, [Wrap::Repeat; 2]));
+        textures.push(bind(renderer, &[([1, 1], &[[1.0; 3]])], [Wrap::Repeat; 2]));
         Self {
             vertices: buffer(device, bytemuck::cast_slice(&tables.vertices), BufferUsages::VERTEX),
             indices: buffer(device, bytemuck::cast_slice(&tables.indices), BufferUsages::INDEX),
@@ -76,24 +80,37 @@ fn buffer(device: &Device, contents: &[u8], usage: BufferUsages) -> Buffer {
     device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage })
 }
 
-/// Columns and rows, and four bytes a texel.
-type Level = ([usize; 2], Vec<u8>);
+/// A mip level: columns and rows, and texels.
+type Level<'a> = ([usize; 2], &'a [LinearRgb]);
 
-/// The mip levels of a texture from the first that is not too large.
-fn levels(texture: &Texture, largest: u32) -> Vec<Level> {
-    let fits = |size: [usize; 2]| size.iter().all(|&side| side <= largest as usize);
-    let encode = |[r, g, b]: [f32; 3]| {
-        let [r, g, b] = [r, g, b].map(srgb8_from_linear);
-        [r, g, b, 255]
-    };
-    texture
-        .levels()
-        .filter(|(size, _)| fits(*size))
-        .map(|(size, texels)| (size, texels.iter().flat_map(|&texel| encode(texel)).collect()))
-        .collect()
+/// The bytes of texels: sRGB codes, or half floats where a driver on the main processor would compute with eight bits
+/// between the codes.
+fn bytes(texels: &[LinearRgb], float: bool) -> Vec<u8> {
+    if float {
+        texels.iter().flat_map(|&[r, g, b]| [r, g, b, 1.0].map(half).map(u16::to_le_bytes)).flatten().collect()
+    } else {
+        let codes = |&[r, g, b]: &LinearRgb| [r, g, b, 1.0].map(srgb8_from_linear);
+        texels.iter().flat_map(codes).collect()
+    }
 }
 
-fn bind(device: &Device, queue: &Queue, pipelines: &Pipelines, levels: &[Level], wrap: [Wrap; 2]) -> BindGroup {
+/// The bits of the half float nearest to a number from 0 to 1; a tie goes to the even one.
+fn half(x: f32) -> u16 {
+    /// The least number that a half float holds with all its bits.
+    const LEAST: f32 = 6.103_515_6e-5;
+    if x < LEAST {
+        // Steps of 2^-24.
+        return (x * 16_777_216.0).round_ties_even() as u16;
+    }
+    let bits = x.to_bits();
+    // Exponents of halves begin 112 later.
+    (((bits + 0xfff + (bits >> 13 & 1)) >> 13) - (112 << 10)) as u16
+}
+
+fn bind(renderer: &Renderer, levels: &[Level<'_>], wrap: [Wrap; 2]) -> BindGroup {
+    let Renderer { device, queue, float_textures, .. } = renderer;
+    let (format, texel_bytes) =
+        if *float_textures { (TextureFormat::Rgba16Float, 8) } else { (TextureFormat::Rgba8UnormSrgb, 4) };
     let extent =
         |[width, height]: [usize; 2]| Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: 1 };
     let texture = device.create_texture(&TextureDescriptor {
@@ -102,14 +119,14 @@ fn bind(device: &Device, queue: &Queue, pipelines: &Pipelines, levels: &[Level],
         mip_level_count: levels.len() as u32,
         sample_count: 1,
         dimension: TextureDimension::D2,
-        format: TextureFormat::Rgba8UnormSrgb,
+        format,
         usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    for ((size, bytes), mip_level) in levels.iter().zip(0..) {
-        let layout = TexelCopyBufferLayout { bytes_per_row: Some(4 * size[0] as u32), ..Default::default() };
+    for ((size, texels), mip_level) in levels.iter().zip(0..) {
+        let layout = TexelCopyBufferLayout { bytes_per_row: Some(texel_bytes * size[0] as u32), ..Default::default() };
         let to = TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() };
-        queue.write_texture(to, bytes, layout, extent(*size));
+        queue.write_texture(to, &bytes(texels, *float_textures), layout, extent(*size));
     }
     let [address_mode_u, address_mode_v] = wrap.map(|wrap| match wrap {
         Wrap::Repeat => AddressMode::Repeat,
@@ -128,10 +145,33 @@ fn bind(device: &Device, queue: &Queue, pipelines: &Pipelines, levels: &[Level],
     let view = texture.create_view(&TextureViewDescriptor::default());
     device.create_bind_group(&BindGroupDescriptor {
         label: None,
-        layout: &pipelines.texture_layout,
+        layout: &renderer.pipelines.texture_layout,
         entries: &[
             BindGroupEntry { binding: 0, resource: BindingResource::TextureView(&view) },
             BindGroupEntry { binding: 1, resource: BindingResource::Sampler(&sampler) },
         ],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_are_the_nearest() {
+        // By hand: 1 is 15 << 10, 0.5 is 14 << 10, 2^-14 is 1 << 10, 2^-24 is 1.
+        assert_eq!([0.0, 1.0, 0.5, 0.75, 2f32.powi(-14), 2f32.powi(-24)].map(half), [0, 15360, 14336, 14848, 1024, 1]);
+        // The next after 0.5 is 2^-11 away; a tie goes to the even one.
+        let next = |steps: f32| half(0.5 + steps * 2f32.powi(-11)) - half(0.5);
+        assert_eq!([0.4, 0.5, 0.6, 1.5, 1.6].map(next), [0, 0, 1, 2, 2]);
+        assert_eq!(half(1.0 - 1e-6), 15360);
+    }
+
+    #[test]
+    fn a_texel_is_four_codes_or_four_halves() {
+        let texels = [[0.0, 0.215_861, 1.0]];
+        assert_eq!(bytes(&texels, false), [0, 128, 255, 255]);
+        let halves = bytes(&texels, true);
+        assert_eq!((halves.len(), &halves[4..]), (8, &[0x00, 0x3c, 0x00, 0x3c][..]));
+    }
 }

@@ -149,7 +149,7 @@ impl Window {
         let Ok(lens) = Lens::new(&view.camera(), aspect, loaded.tables.origin_m, loaded.tables.bounds_m) else {
             return;
         };
-        let frame = Frame { lens, look: self.controls.frame_look(&loaded.shown.file) };
+        let frame = Frame { lens, look: self.controls.frame_look(&loaded.shown.file), dither: true };
         if let Some(texture) = self.screen.texture(&frame, &loaded.tables, size_px) {
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             ui.painter().image(texture, rect, whole, Color32::WHITE);

@@ -75,11 +75,11 @@ impl Window {
         }
     }
 
-    fn save_view(&self) -> anyhow::Result<String> {
+    fn save_view(&mut self) -> anyhow::Result<String> {
         let loaded = self.session.loaded.as_ref().context("nothing is shown yet")?;
         let scale = self.controls.unit.scale(self.controls.scale_end(&loaded.shown.file));
         let scale = (self.controls.look.show == Show::Irradiance).then_some(scale);
-        let picture = self.screen.picture(scale.as_ref()).context("nothing is drawn yet")??;
+        let picture = self.screen.picture(&loaded.tables, scale.as_ref()).context("nothing is drawn yet")??;
         let path = free_name(&self.session.job.path, "view", "png");
         write_atomically(&path, &picture.png()?)?;
         Ok(path.display().to_string())
