@@ -59,8 +59,8 @@ pub(crate) struct Renderer {
     pub(crate) pipelines: Pipelines,
     view: Buffer,
     view_group: BindGroup,
-    /// Whether textures are kept in half floats: see `upload`.
-    pub(crate) float_textures: bool,
+    /// Whether the main processor does the work: see `upload` for what becomes of textures then.
+    pub(crate) on_processor: bool,
 }
 
 impl Renderer {
@@ -78,7 +78,7 @@ impl Renderer {
             layout: &pipelines.view_layout,
             entries: &[BindGroupEntry { binding: 0, resource: view.as_entire_binding() }],
         });
-        Self { device, queue, pipelines, view, view_group, float_textures: kind == DeviceType::Cpu }
+        Self { device, queue, pipelines, view, view_group, on_processor: kind == DeviceType::Cpu }
     }
 
     /// A scene in the memory of the graphics processor.

@@ -15,7 +15,8 @@ use crate::draw::Renderer;
 use crate::layout::{Group, Tables};
 use crate::marks::Mark;
 
-/// Texels looked at along a surface that is seen at a grazing angle.
+/// Texels looked at along a surface that is seen at a grazing angle. Not where the main processor draws: it takes long
+/// there, and Mesa blurs with it even what is near.
 const ANISOTROPY: u16 = 8;
 
 /// A scene that is ready to be drawn.
@@ -108,9 +109,9 @@ fn half(x: f32) -> u16 {
 }
 
 fn bind(renderer: &Renderer, levels: &[Level<'_>], wrap: [Wrap; 2]) -> BindGroup {
-    let Renderer { device, queue, float_textures, .. } = renderer;
+    let Renderer { device, queue, on_processor, .. } = renderer;
     let (format, texel_bytes) =
-        if *float_textures { (TextureFormat::Rgba16Float, 8) } else { (TextureFormat::Rgba8UnormSrgb, 4) };
+        if *on_processor { (TextureFormat::Rgba16Float, 8) } else { (TextureFormat::Rgba8UnormSrgb, 4) };
     let extent =
         |[width, height]: [usize; 2]| Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: 1 };
     let texture = device.create_texture(&TextureDescriptor {
@@ -126,7 +127,7 @@ fn bind(renderer: &Renderer, levels: &[Level<'_>], wrap: [Wrap; 2]) -> BindGroup
     for ((size, texels), mip_level) in levels.iter().zip(0..) {
         let layout = TexelCopyBufferLayout { bytes_per_row: Some(texel_bytes * size[0] as u32), ..Default::default() };
         let to = TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() };
-        queue.write_texture(to, &bytes(texels, *float_textures), layout, extent(*size));
+        queue.write_texture(to, &bytes(texels, *on_processor), layout, extent(*size));
     }
     let [address_mode_u, address_mode_v] = wrap.map(|wrap| match wrap {
         Wrap::Repeat => AddressMode::Repeat,
@@ -139,7 +140,7 @@ fn bind(renderer: &Renderer, levels: &[Level<'_>], wrap: [Wrap; 2]) -> BindGroup
         mag_filter: FilterMode::Linear,
         min_filter: FilterMode::Linear,
         mipmap_filter: FilterMode::Linear,
-        anisotropy_clamp: ANISOTROPY,
+        anisotropy_clamp: if *on_processor { 1 } else { ANISOTROPY },
         ..SamplerDescriptor::default()
     });
     let view = texture.create_view(&TextureViewDescriptor::default());
