@@ -59,7 +59,7 @@ pub(crate) struct Renderer {
     pub(crate) pipelines: Pipelines,
     view: Buffer,
     view_group: BindGroup,
-    /// Whether the main processor does the work: see `upload` for what becomes of textures then.
+    /// Whether the main processor does the work: textures are then looked at in a plainer way, see `upload`.
     pub(crate) on_processor: bool,
 }
 
