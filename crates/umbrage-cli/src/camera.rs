@@ -41,6 +41,11 @@ pub struct CameraArgs {
 }
 
 impl CameraArgs {
+    /// Whether they say what the camera looks at.
+    pub fn gives_target(&self) -> bool {
+        self.target.is_some()
+    }
+
     /// The camera that was asked for, of the file, or outside of it.
     ///
     /// # Errors

@@ -119,3 +119,80 @@ fn keys(ctx: &Context, view: &mut Viewpoint, size_m: f64, around: bool) -> Optio
         .into_iter()
         .find_map(|(key, asked)| (pressed(key) > 0.0).then_some(asked))
 }
+
+#[cfg(test)]
+mod tests {
+    use eframe::egui::{CentralPanel, Event, Modifiers, MouseWheelUnit, RawInput, Rect, Sense, pos2, vec2};
+    use umbrage_picture::Camera;
+
+    use super::*;
+
+    fn view() -> Viewpoint {
+        Viewpoint::new(&Camera::looking(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, 40.0))
+    }
+
+    /// A window in which these events happen, frame after frame.
+    fn after(frames: &[&[Event]], around: bool) -> (Viewpoint, Vec<Asked>) {
+        let (ctx, mut view, mut asked) = (Context::default(), view(), Vec::new());
+        for events in frames {
+            let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, vec2(400.0, 400.0)));
+            let input = RawInput { screen_rect, events: events.to_vec(), ..RawInput::default() };
+            let _ = ctx.run(input, |ctx| {
+                CentralPanel::default().show(ctx, |ui| {
+                    let response = ui.allocate_rect(ui.max_rect(), Sense::click_and_drag());
+                    asked.extend(navigate(&response, &mut view, 8.0, around));
+                });
+            });
+        }
+        (view, asked)
+    }
+
+    fn press(key: Key) -> Event {
+        Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE }
+    }
+
+    fn button(pressed: bool, at: Pos2) -> Event {
+        Event::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
+    }
+
+    #[test]
+    fn w_walks_ahead_and_d_to_the_right() {
+        let (walked, _) = after(&[&[], &[press(Key::W)]], true);
+        let by = walked.eye_m - view().eye_m;
+        assert!(by.z < 0.0 && by.x.abs() < 1e-12 && by.y.abs() < 1e-12, "{by}");
+        let (walked, _) = after(&[&[], &[press(Key::D)]], true);
+        assert!(walked.eye_m.x > 0.0 && (walked.eye_m.z - 5.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn arrows_turn_by_five_degrees_around_the_scene_or_on_the_spot() {
+        let (around, _) = after(&[&[], &[press(Key::ArrowRight)]], true);
+        assert!(around.target_m().length() < 1e-12 && around.eye_m.x < 0.0);
+        let (on_the_spot, _) = after(&[&[], &[press(Key::ArrowRight)]], false);
+        assert_eq!(on_the_spot.eye_m, view().eye_m);
+        for turned in [around, on_the_spot] {
+            assert!((turned.ahead().dot(view().ahead()) - 5f64.to_radians().cos()).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_drag_turns_and_a_click_asks() {
+        let [from, to] = [pos2(200.0, 200.0), pos2(260.0, 200.0)];
+        let drag: &[&[Event]] =
+            &[&[Event::PointerMoved(from)], &[button(true, from)], &[Event::PointerMoved(to)], &[button(false, to)]];
+        let (dragged, asked) = after(drag, true);
+        // The scene follows the hand to the right: the eye goes to the left.
+        assert!(dragged.eye_m.x < 0.0 && dragged.target_m().length() < 1e-9 && asked.is_empty(), "{dragged:?}");
+        let click: &[&[Event]] = &[&[Event::PointerMoved(from)], &[button(true, from)], &[button(false, from)]];
+        let (clicked, asked) = after(click, true);
+        assert_eq!((clicked, asked), (view(), vec![Asked::Pick(from)]));
+    }
+
+    #[test]
+    fn the_wheel_brings_nearer() {
+        let (unit, delta) = (MouseWheelUnit::Line, vec2(0.0, 3.0));
+        let wheel = Event::MouseWheel { unit, delta, modifiers: Modifiers::NONE };
+        let (nearer, _) = after(&[&[Event::PointerMoved(pos2(200.0, 200.0))], &[wheel], &[], &[]], true);
+        assert!(nearer.distance_m() < 4.9 && nearer.target_m().length() < 1e-9, "{nearer:?}");
+    }
+}

@@ -122,7 +122,8 @@ impl Window {
         });
         let mut view = Viewpoint::new(&camera);
         // A camera of the file does not say what it turns around: what is in the middle of its picture, well in the scene.
-        view.turn_around(0.5 * loaded.tables.size_m(), loaded.shown.file.cameras.is_empty());
+        let known = self.options.camera.gives_target() || loaded.shown.file.cameras.is_empty();
+        view.turn_around(0.5 * loaded.tables.size_m(), known);
         (self.view, self.begin) = (Some(view), Some(view));
     }
 
