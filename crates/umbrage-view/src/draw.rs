@@ -12,7 +12,7 @@ use crate::layout::Tables;
 use crate::lens::Lens;
 use crate::pipelines::Pipelines;
 use crate::targets::Targets;
-use crate::upload::{Uploaded, UploadedMarks};
+use crate::upload::{TooLarge, Uploaded, UploadedMarks};
 
 /// Bytes of the struct in `view.wgsl`.
 const VIEW_BYTES: u64 = 160;
@@ -39,7 +39,7 @@ pub(crate) struct FrameLook {
     pub(crate) tone: Tone,
     /// Where the scale of false colours ends, in the file's unit.
     pub(crate) scale_end: f32,
-    /// Whether triangles are drawn.
+    /// Whether triangles are drawn, where the driver can hold them apart.
     pub(crate) wire: bool,
 }
 
@@ -82,7 +82,7 @@ impl Renderer {
     }
 
     /// A scene in the memory of the graphics processor.
-    pub(crate) fn upload(&self, tables: &Tables) -> Uploaded {
+    pub(crate) fn upload(&self, tables: &Tables) -> Result<Uploaded, TooLarge> {
         Uploaded::new(self, tables)
     }
 
@@ -99,7 +99,7 @@ impl Renderer {
         let mut encoder = self.device.create_command_encoder(&Default::default());
         let mut pass = begin(&mut encoder, targets);
         pass.set_bind_group(0, &self.view_group, &[]);
-        self.draw_surfaces(&mut pass, frame.look.wire, tables, scene);
+        self.draw_surfaces(&mut pass, frame.look.wire && scene.wires.is_ok(), tables, scene);
         pass.set_pipeline(&self.pipelines.lines);
         for marks in marks.iter().filter(|marks| marks.count > 0) {
             pass.set_vertex_buffer(0, marks.lines.slice(..));

@@ -28,7 +28,10 @@ pub fn screenshot(options: &ViewOptions, gpu: Gpu) -> anyhow::Result<Picture> {
     let targets = Targets::new(&renderer, size);
     ensure!(targets.size_px == size, "{} x {} pixels are more than this graphics driver can draw", size[0], size[1]);
 
-    let scene = renderer.upload(&loaded.tables);
+    let scene = renderer.upload(&loaded.tables)?;
+    if options.lines.wireframe {
+        scene.wires?;
+    }
     let (origin_m, bounds_m) = (loaded.tables.origin_m, loaded.tables.bounds_m);
     let camera = options.camera.choose(&loaded.shown, options.size)?;
     let lens = Lens::new(&camera, targets.aspect(), origin_m, bounds_m)?;

@@ -9,7 +9,7 @@ use crate::draw::{Frame, Renderer};
 use crate::layout::Tables;
 use crate::marks::Mark;
 use crate::targets::{ReadBackError, Targets};
-use crate::upload::{Uploaded, UploadedMarks};
+use crate::upload::{TooLarge, Uploaded, UploadedMarks};
 
 /// Sets of lines, in the order in which they are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,11 +37,11 @@ impl Screen {
         Self { state: state.clone(), renderer, scene, lines, targets, drawn }
     }
 
-    /// Shows another scene from now on, without lines.
-    pub(crate) fn show(&mut self, tables: &Tables) {
-        self.scene = Some(self.renderer.upload(tables));
-        self.lines = [const { None }; 3];
-        self.drawn = None;
+    /// Shows another scene from now on, without lines; one that cannot be held leaves the screen empty.
+    pub(crate) fn show(&mut self, tables: &Tables) -> Result<(), TooLarge> {
+        (self.scene, self.lines, self.drawn) = (None, [const { None }; 3], None);
+        self.scene = Some(self.renderer.upload(tables)?);
+        Ok(())
     }
 
     /// Sets the lines of one set.

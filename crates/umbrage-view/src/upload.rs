@@ -12,12 +12,26 @@ use wgpu::{
 };
 
 use crate::draw::Renderer;
-use crate::layout::{Group, Tables};
+use crate::layout::{Group, Tables, Vertex};
 use crate::marks::Mark;
 
 /// Texels looked at along a surface that is seen at a grazing angle. Not where the main processor draws: it takes long
 /// there, and Mesa blurs with it even what is near.
 const ANISOTROPY: u16 = 8;
+
+/// A scene that the graphics driver cannot hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the scene needs a table of {needed} bytes, and this graphics driver holds {largest} at most")]
+pub(crate) struct TooLarge {
+    needed: u64,
+    largest: u64,
+}
+
+/// Whether a table of this many bytes can be held.
+fn check(renderer: &Renderer, needed: usize) -> Result<(), TooLarge> {
+    let (needed, largest) = (needed as u64, renderer.device.limits().max_buffer_size);
+    if needed <= largest { Ok(()) } else { Err(TooLarge { needed, largest }) }
+}
 
 /// A scene that is ready to be drawn.
 pub(crate) struct Uploaded {
@@ -28,11 +42,15 @@ pub(crate) struct Uploaded {
     textures: Vec<BindGroup>,
     /// Vertices of triangles that share none: made when triangles are first drawn.
     unshared: OnceCell<Buffer>,
+    /// Whether these can be held.
+    pub(crate) wires: Result<(), TooLarge>,
 }
 
 impl Uploaded {
-    pub(crate) fn new(renderer: &Renderer, tables: &Tables) -> Self {
+    pub(crate) fn new(renderer: &Renderer, tables: &Tables) -> Result<Self, TooLarge> {
         let device = &renderer.device;
+        check(renderer, size_of_val(tables.vertices.as_slice()))?;
+        check(renderer, size_of_val(tables.indices.as_slice()))?;
         let largest = device.limits().max_texture_dimension_2d as usize;
         let mut textures: Vec<BindGroup> = tables
             .textures
@@ -44,13 +62,14 @@ impl Uploaded {
             })
             .collect();
         textures.push(bind(renderer, &[([1, 1], &[[1.0; 3]])], [Wrap::Repeat; 2]));
-        Self {
+        Ok(Self {
             vertices: buffer(device, bytemuck::cast_slice(&tables.vertices), BufferUsages::VERTEX),
             indices: buffer(device, bytemuck::cast_slice(&tables.indices), BufferUsages::INDEX),
             groups: tables.groups.clone(),
             textures,
             unshared: OnceCell::new(),
-        }
+            wires: check(renderer, tables.indices.len() * size_of::<Vertex>()),
+        })
     }
 
     /// The texture of a group.

@@ -107,7 +107,9 @@ impl Window {
     /// Shows what was loaded; the first time also from where, and how, the options say.
     fn take_over(&mut self, size_px: [u32; 2]) {
         let Some(loaded) = &self.session.loaded else { return };
-        self.screen.show(&loaded.tables);
+        if let Err(error) = self.screen.show(&loaded.tables) {
+            self.session.failure = Some(error.to_string());
+        }
         (self.hit, self.picked, self.lines) = (None, None, ([false; 3], None));
         if self.view.is_some() {
             return;
