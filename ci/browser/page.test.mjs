@@ -6,7 +6,7 @@ import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { start, tab } from "./browser.mjs";
 import { compare, decoded, differs, keep, read } from "./pictures.mjs";
-import { SCENES, SIZE, bake, file, folder, reference, umbrage } from "./scenes.mjs";
+import { LOOKS, SCENES, SIZE, bake, file, folder, reference, umbrage } from "./scenes.mjs";
 
 /** A window in which the panel is open from the beginning. */
 const WIDE = [1000, 700];
@@ -40,14 +40,6 @@ async function bare(page) {
   await page.waitForTimeout(300);
   return page.screenshot();
 }
-
-const LOOKS = [
-  ["plain", "", []],
-  ["bright", "&exposure=2.5", ["--exposure", "2.5"]],
-  ["filmic", "&exposure=3&tone=filmic", ["--exposure", "3", "--tone", "filmic"]],
-  ["light", "&show=light", ["--light-only"]],
-  ["false", "&show=irradiance&end=2000&unit=lx", ["--false-color", "lx", "--scale-end", "2000"]],
-];
 
 for (const scene of SCENES) {
   for (const [name, words, options] of LOOKS) {

@@ -23,6 +23,15 @@ export const SCENES = [
   { name: "textured", eye: [0.28, 0.3, -0.6], target: [0.28, 0.25, 0.3], fov: 45 },
 ];
 
+/** Ways to show a scene: name, what the page's address says, and the options of `umbrage render`. */
+export const LOOKS = [
+  ["plain", "", []],
+  ["bright", "&exposure=2.5", ["--exposure", "2.5"]],
+  ["filmic", "&exposure=3&tone=filmic", ["--exposure", "3", "--tone", "filmic"]],
+  ["light", "&show=light", ["--light-only"]],
+  ["false", "&show=irradiance&end=2000&unit=lx", ["--false-color", "lx", "--scale-end", "2000"]],
+];
+
 /** Bakes all scenes. */
 export function bake() {
   umbrage("demo", "--out-dir", folder);
@@ -44,11 +53,14 @@ export function bakeDim() {
 
 const json = (bytes) => JSON.parse(bytes.subarray(20, 20 + bytes.readUInt32LE(12)));
 
+/** The options that say from where a scene is seen. */
+export const cameraOf = ({ eye, target, fov }) => ["--eye", eye.join(), "--target", target.join(), "--fov", String(fov)];
+
 /** The reference picture of a scene. */
 export function reference(scene, name, ...words) {
   const [width, height] = SIZE.map(String);
-  const camera = ["--eye", scene.eye.join(), "--target", scene.target.join(), "--fov", String(scene.fov)];
-  umbrage("render", file(`${scene.name}.glb`), "-o", file(name), "--width", width, "--height", height, ...camera, ...words);
+  const size = ["--width", width, "--height", height];
+  umbrage("render", file(`${scene.name}.glb`), "-o", file(name), ...size, ...cameraOf(scene), ...words);
   return file(name);
 }
 

@@ -5,14 +5,13 @@ use std::time::Instant;
 
 use anyhow::Context;
 use clap::Args;
-use serde_json::Map;
 use umbrage::bake::{self, Bake, BakeSettings};
 use umbrage::progress::Progress;
 use umbrage::scene::Scene;
-use umbrage_formats::{BakeFacts, Written, write_baked_glb};
+use umbrage_formats::{Written, write_baked_glb};
 
 use crate::light::Fluxes;
-use crate::method::{MethodArgs, positive, share};
+use crate::method::{MethodArgs, facts, positive, share};
 use crate::output::Output;
 use crate::progress::Bar;
 use crate::scene_file::SceneArgs;
@@ -89,16 +88,6 @@ pub(crate) fn write(
     path: &Path,
 ) -> anyhow::Result<Written> {
     interrupt::check()?;
-    let mut extras = Map::new();
-    extras.insert("max_form_factor".into(), settings.fmax().into());
-    extras.insert("min_area_m2".into(), settings.min_area_m2.into());
-    // JSON has no infinity: null is no refinement.
-    let tolerance = Some(settings.shade.tolerance).filter(|tolerance| tolerance.is_finite());
-    extras.insert("tolerance".into(), tolerance.into());
-    extras.insert("score".into(), settings.score.to_string().into());
-    extras.insert("mend_bad_shapes".into(), settings.mend_bad_shapes.into());
-    extras.insert("discontinuities".into(), settings.discontinuities.into());
-    extras.insert("error".into(), bake.report.error.into());
-    let facts = BakeFacts { exposure, residual: bake.report.residual, extras };
+    let facts = facts(settings, &bake.report, exposure);
     Ok(write_baked_glb(scene, &bake.mesh, &facts, path)?)
 }

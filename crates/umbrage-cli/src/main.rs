@@ -15,15 +15,12 @@ mod inspect;
 mod interrupt;
 mod light;
 mod memory;
-mod method;
-mod output;
 mod page;
 mod progress;
 mod render;
-mod scene_file;
-mod shown;
 mod summary;
 mod verify;
+mod view;
 
 use std::process;
 
@@ -31,6 +28,7 @@ use anyhow::Context;
 use clap::{ArgAction, Parser, Subcommand};
 use tracing_subscriber::filter::LevelFilter;
 use tracing_subscriber::fmt::time;
+use umbrage_cli::{camera, look, method, output, scene_file, shown};
 
 use crate::exit_code::ExitCode;
 use crate::output::Output;
@@ -50,6 +48,7 @@ Examples:
   umbrage bake room.glb -o baked.glb     bake a scene of your own
   umbrage render baked.glb -o baked.png  a picture of the result
   umbrage page baked.glb -o room.html    the result as a web page in one file
+  umbrage view baked.glb                 the result in a window
   umbrage inspect room.glb --stage d-segments -o shadows.svg
                                          a drawing of the edges of its shadows
 
@@ -92,6 +91,7 @@ enum Command {
     FormFactor(form_factor::FormFactorArgs),
     Verify(verify::VerifyArgs),
     Inspect(inspect::InspectArgs),
+    View(view::ViewArgs),
 }
 
 fn main() {
@@ -131,6 +131,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::FormFactor(args) => form_factor::run(args, output),
         Command::Verify(args) => verify::run(args, output),
         Command::Inspect(args) => inspect::run(args, output),
+        Command::View(args) => view::run(args),
     }
 }
 

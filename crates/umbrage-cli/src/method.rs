@@ -1,15 +1,17 @@
 //! The options that say how a bake is done, and the settings that they mean.
 
 use clap::Args;
-use umbrage::bake::BakeSettings;
+use serde_json::Map;
+use umbrage::bake::{BakeSettings, Report};
 use umbrage::mesh::SplitScore;
 use umbrage::prepare::PrepareSettings;
 use umbrage::shade::ShadeSettings;
+use umbrage_formats::BakeFacts;
 
 /// How the mesh is refined.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Method")]
-pub(crate) struct MethodArgs {
+pub struct MethodArgs {
     /// Refine triangles until the light between vertices errs by this share of the mean light; `none`: not at all
     #[arg(long, value_name = "T", value_parser = tolerance, default_value_t = BakeSettings::default().shade.tolerance)]
     tolerance: f64,
@@ -40,7 +42,7 @@ pub(crate) struct MethodArgs {
 
 impl MethodArgs {
     /// The settings that these options mean.
-    pub(crate) fn settings(&self) -> BakeSettings {
+    pub fn settings(&self) -> BakeSettings {
         let default = BakeSettings::default();
         let max_triangles = self.max_triangles.unwrap_or(default.shade.max_triangles);
         BakeSettings {
@@ -56,13 +58,34 @@ impl MethodArgs {
     }
 }
 
+/// What a baked file says of how it was made.
+pub fn facts(settings: &BakeSettings, report: &Report, exposure: Option<f64>) -> BakeFacts {
+    let mut extras = Map::new();
+    extras.insert("max_form_factor".into(), settings.fmax().into());
+    extras.insert("min_area_m2".into(), settings.min_area_m2.into());
+    // JSON has no infinity: null is no refinement.
+    let tolerance = Some(settings.shade.tolerance).filter(|tolerance| tolerance.is_finite());
+    extras.insert("tolerance".into(), tolerance.into());
+    extras.insert("score".into(), settings.score.to_string().into());
+    extras.insert("mend_bad_shapes".into(), settings.mend_bad_shapes.into());
+    extras.insert("discontinuities".into(), settings.discontinuities.into());
+    extras.insert("error".into(), report.error.into());
+    BakeFacts { exposure, residual: report.residual, extras }
+}
+
 /// A number above 0.
-pub(crate) fn positive(text: &str) -> Result<f64, String> {
+///
+/// # Errors
+/// What is wrong with the text.
+pub fn positive(text: &str) -> Result<f64, String> {
     number(text).and_then(|x| if x > 0.0 { Ok(x) } else { Err("must be more than 0".into()) })
 }
 
 /// A number above 0 and at most 1.
-pub(crate) fn share(text: &str) -> Result<f64, String> {
+///
+/// # Errors
+/// What is wrong with the text.
+pub fn share(text: &str) -> Result<f64, String> {
     positive(text).and_then(|x| if x <= 1.0 { Ok(x) } else { Err("must be at most 1".into()) })
 }
 
@@ -72,7 +95,10 @@ fn tolerance(text: &str) -> Result<f64, String> {
 }
 
 /// A finite number.
-pub(crate) fn number(text: &str) -> Result<f64, String> {
+///
+/// # Errors
+/// What is wrong with the text.
+pub fn number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(x) if x.is_finite() => Ok(x),
         _ => Err("is not a number".into()),

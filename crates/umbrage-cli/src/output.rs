@@ -13,22 +13,28 @@ const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 
 /// How much a command says.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Output {
+pub struct Output {
     /// Nothing but warnings and errors.
-    pub(crate) quiet: bool,
+    pub quiet: bool,
     /// A log runs on standard error, where a progress bar would disturb it.
-    pub(crate) logging: bool,
+    pub logging: bool,
 }
 
 impl Output {
     /// Says what was not asked for by name: a summary, what to do next.
-    pub(crate) fn say(self, text: &str) -> anyhow::Result<()> {
+    ///
+    /// # Errors
+    /// Where standard output cannot be written.
+    pub fn say(self, text: &str) -> anyhow::Result<()> {
         if self.quiet { Ok(()) } else { answer(text) }
     }
 }
 
 /// Writes what was asked for, as a block of whole lines.
-pub(crate) fn answer(text: &str) -> anyhow::Result<()> {
+///
+/// # Errors
+/// Where standard output cannot be written.
+pub fn answer(text: &str) -> anyhow::Result<()> {
     let mut stream = stdout().lock();
     stream.write_all(text.as_bytes())?;
     if !text.ends_with('\n') {
@@ -38,17 +44,17 @@ pub(crate) fn answer(text: &str) -> anyhow::Result<()> {
 }
 
 /// Writes a warning.
-pub(crate) fn warning(text: &str) {
+pub fn warning(text: &str) {
     report(WARNING, "warning", text);
 }
 
 /// Writes an error.
-pub(crate) fn error(text: &str) {
+pub fn error(text: &str) {
     report(ERROR, "error", text);
 }
 
 /// Writes an error and its causes, one below the other.
-pub(crate) fn error_chain(error: &anyhow::Error) {
+pub fn error_chain(error: &anyhow::Error) {
     self::error(&chain(error.as_ref()));
 }
 
@@ -75,7 +81,7 @@ fn chain(error: &(dyn Error + 'static)) -> String {
 }
 
 /// Whether writing failed because nobody reads any more.
-pub(crate) fn is_closed_pipe(error: &anyhow::Error) -> bool {
+pub fn is_closed_pipe(error: &anyhow::Error) -> bool {
     error
         .chain()
         .any(|cause| cause.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe))

@@ -3,21 +3,21 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use clap::{Args, ValueEnum};
-use glam::DVec3;
+use clap::Args;
 use umbrage::bake;
 use umbrage::progress::Progress;
 use umbrage_formats::{BakedFile, ReadOptions, write_atomically};
 use umbrage_picture::{
-    Camera, Line, LineColor, LineSet, Look, MAX_SIZE_PX, Picture, PictureMesh, RenderSettings, Scale, Tone, beside,
-    color, difference, nice_ceiling, wireframe,
+    Camera, Line, LineColor, LineSet, Look, Picture, PictureMesh, RenderSettings, SEGMENT_WIDTH_PX, Scale, Tone,
+    WIRE_OPACITY, WIRE_WIDTH_PX, beside, color, difference, nice_ceiling, wireframe,
 };
 
-use crate::method::{number, positive};
+use crate::camera::{CameraArgs, SizeArgs};
+use crate::look::{LookArgs, Unit};
 use crate::output::Output;
 use crate::progress::Bar;
 use crate::scene_file::SceneArgs;
-use crate::shown::{Colors, Shown, default_camera};
+use crate::shown::{Colors, Shown};
 use crate::{interrupt, summary};
 
 const HELP: &str = "\
@@ -35,12 +35,6 @@ be seen. Surfaces are seen from their front only.
 A .png shows what a screen can show. A .exr holds the light itself, linear and not cut off; it needs a program built \
 with `--features exr`.";
 
-/// Colours of d-segments by degree.
-const DEGREE_COLORS: [[u8; 3]; 3] = [[226, 30, 30], [255, 140, 0], [40, 110, 255]];
-const DEGREE_WIDTH_PX: f64 = 1.6;
-const WIRE_WIDTH_PX: f64 = 0.8;
-const WIRE_OPACITY: f32 = 0.45;
-
 /// Draw a baked GLB as a picture
 #[derive(Debug, Args)]
 #[command(after_help = HELP)]
@@ -51,12 +45,8 @@ pub(crate) struct RenderArgs {
     /// The picture to write (.png or .exr); replaced if it exists
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
-    /// Width in pixels, of each picture where there are several
-    #[arg(long, value_name = "PX", value_parser = size, default_value_t = 1024)]
-    width: usize,
-    /// Height in pixels
-    #[arg(long, value_name = "PX", value_parser = size, default_value_t = 1024)]
-    height: usize,
+    #[command(flatten)]
+    size: SizeArgs,
     #[command(flatten)]
     camera: CameraArgs,
     #[command(flatten)]
@@ -78,79 +68,6 @@ pub(crate) struct RenderArgs {
     reading: SceneArgs,
 }
 
-/// Where the picture is taken from.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Camera")]
-struct CameraArgs {
-    /// Where the camera stands, in metres: x,y,z
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "target")]
-    eye: Option<DVec3>,
-    /// The point that it looks at, in metres: x,y,z
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "eye")]
-    target: Option<DVec3>,
-    /// What is up in the picture: x,y,z [default: 0,1,0]
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "eye")]
-    up: Option<DVec3>,
-    /// Field of view from the lower to the upper edge, in degrees [default: the camera's, or 40]
-    #[arg(long, value_name = "DEG", value_parser = angle)]
-    fov: Option<f64>,
-    /// The camera of the file that has this name [default: its first one]
-    #[arg(long, value_name = "NAME", conflicts_with = "eye")]
-    camera: Option<String>,
-}
-
-/// What becomes of the light.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Light")]
-struct LookArgs {
-    /// Make the picture this many times brighter
-    #[arg(long, value_name = "K", value_parser = positive, default_value_t = 1.0)]
-    exposure: f64,
-    /// What becomes of light that is too bright for a screen
-    #[arg(long, value_name = "TONE", default_value = "off")]
-    tone: ToneArg,
-    /// Draw the light alone, as if all surfaces were white
-    #[arg(long)]
-    light_only: bool,
-    /// Draw the irradiance in false colours, with a legend, in this unit [default without UNIT: w]
-    #[arg(long, value_name = "UNIT", num_args = 0..=1, default_missing_value = "w",
-        conflicts_with_all = ["light_only", "exposure", "tone"])]
-    false_color: Option<Unit>,
-    /// Where the scale of --false-color ends, in its unit [default: a round number above nearly all of the scene]
-    #[arg(long, value_name = "E", value_parser = positive, requires = "false_color")]
-    scale_end: Option<f64>,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum ToneArg {
-    /// It is cut off, as in every glTF viewer
-    Off,
-    /// It goes through the curve of a film: softer in the bright, more contrast in the dark
-    Filmic,
-}
-
-/// Units of irradiance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Unit {
-    /// W/m2, as in the file
-    W,
-    /// lx, at 683 lm per W: for scenes whose light is in watts
-    Lx,
-    /// lx, as in the file: for scenes whose light is photometric already, as in MGF
-    Photometric,
-}
-
-impl Unit {
-    fn name(self) -> &'static str {
-        if self == Self::W { "W/m2" } else { "lx" }
-    }
-
-    /// How many of it are 1 in the file.
-    fn per_file_unit(self) -> f64 {
-        if self == Self::Lx { color::LUMENS_PER_WATT } else { 1.0 }
-    }
-}
-
 /// The kinds of files that a picture can become.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -165,7 +82,7 @@ pub(crate) fn run(args: &RenderArgs, output: Output) -> anyhow::Result<()> {
     let k = first.file.exposure_k;
     let cannot = || format!("cannot draw {}", args.baked[0].display());
 
-    let camera = camera(args, first).with_context(cannot)?;
+    let camera = args.camera.choose(first, args.size).with_context(cannot)?;
     let segments = args.segments.as_deref().map(|scene| segments(scene, &args.reading, output)).transpose()?;
     let look = Drawing::new(args, kind, &first.file);
     let mut pictures = Vec::new();
@@ -208,9 +125,7 @@ fn kind(args: &RenderArgs) -> anyhow::Result<Kind> {
              --features exr`, or write a .png",
             args.output.display()
         ),
-        Some("exr")
-            if args.look.false_color.is_some() || args.difference || matches!(args.look.tone, ToneArg::Filmic) =>
-        {
+        Some("exr") if args.look.false_color.is_some() || args.difference || args.look.tone() == Tone::Filmic => {
             bail!("an EXR holds the light itself: leave out --false-color, --difference and --tone, or write a .png")
         }
         Some("exr") => Ok(Kind::Exr),
@@ -227,45 +142,20 @@ struct Drawing {
 
 impl Drawing {
     fn new(args: &RenderArgs, kind: Kind, first: &BakedFile) -> Self {
-        let settings = RenderSettings { width: args.width, height: args.height, ..RenderSettings::default() };
+        let SizeArgs { width, height } = args.size;
+        let settings = RenderSettings { width, height, ..RenderSettings::default() };
+        let colors = args.look.colors();
         if let Some(unit) = args.look.false_color {
-            let per_file_unit = unit.per_file_unit();
-            let within = || first.irradiance_quantile(color::SHARE_WITHIN_SCALE, color::LUMINANCE_WEIGHTS);
-            let end = args.look.scale_end.unwrap_or_else(|| nice_ceiling(per_file_unit * within()));
-            let look = Look::FalseColor { end: (end / per_file_unit) as f32 };
-            let scale = Scale { begin: 0.0, end, unit: unit.name(), stops: &color::SEQUENTIAL };
-            let settings = RenderSettings { look, ..settings };
-            return Self { colors: Colors::Irradiance, settings, scale: Some(scale) };
+            let end = args.look.scale_end.unwrap_or_else(|| unit.scale_end(first));
+            let look = Look::FalseColor { end: (end / unit.per_file_unit()) as f32 };
+            return Self { colors, settings: RenderSettings { look, ..settings }, scale: Some(unit.scale(end)) };
         }
-        let colors = if args.look.light_only { Colors::Light } else { Colors::Seen };
-        let tone = match args.look.tone {
-            ToneArg::Off => Tone::Off,
-            ToneArg::Filmic => Tone::Filmic,
-        };
+        let exposure = args.look.exposure as f32;
         let look = match kind {
-            Kind::Png => Look::Display { exposure: args.look.exposure as f32, tone },
-            Kind::Exr => Look::Raw { exposure: args.look.exposure as f32 },
+            Kind::Png => Look::Display { exposure, tone: args.look.tone() },
+            Kind::Exr => Look::Raw { exposure },
         };
         Self { colors, settings: RenderSettings { look, ..settings }, scale: None }
-    }
-}
-
-/// The camera that was asked for, of the file, or outside of it.
-fn camera(args: &RenderArgs, file: &Shown) -> anyhow::Result<Camera> {
-    let asked = &args.camera;
-    let camera = match (asked.eye, asked.target) {
-        (Some(eye), Some(target)) => {
-            let camera = Camera::looking(eye, target, Camera::DEFAULT_FOV_DEG);
-            Some(Camera { up: asked.up.unwrap_or(camera.up), ..camera })
-        }
-        _ => file.camera(asked.camera.as_deref())?,
-    };
-    match camera {
-        Some(camera) => Ok(Camera { fov_y_deg: asked.fov.unwrap_or(camera.fov_y_deg), ..camera }),
-        None => {
-            let meshes = file.meshes(Colors::Seen, file.file.exposure_k);
-            default_camera(&meshes, args.width, args.height, asked.fov.unwrap_or(Camera::DEFAULT_FOV_DEG))
-        }
     }
 }
 
@@ -273,8 +163,8 @@ fn camera(args: &RenderArgs, file: &Shown) -> anyhow::Result<Camera> {
 fn compare(args: &RenderArgs, files: &[Shown], camera: &Camera) -> anyhow::Result<(Picture, String)> {
     // What shows no surface is no number, and stays out of the figures.
     let settings = RenderSettings {
-        width: args.width,
-        height: args.height,
+        width: args.size.width,
+        height: args.size.height,
         look: Look::Raw { exposure: 1.0 },
         background: [f32::NAN; 3],
     };
@@ -327,9 +217,9 @@ fn segments(path: &Path, reading: &SceneArgs, output: Output) -> anyhow::Result<
     bar.clear();
     let segments = segments.with_context(|| format!("cannot find the shadow edges of {}", path.display()))?;
     let of_degree = |degree: usize| LineSet {
-        color: LineColor::Plain(color::linear_from_srgb8(DEGREE_COLORS[degree])),
+        color: LineColor::Plain(color::linear_from_srgb8(color::DEGREES[degree])),
         opacity: 1.0,
-        width_px: DEGREE_WIDTH_PX,
+        width_px: SEGMENT_WIDTH_PX,
         lines: segments
             .iter()
             .filter(|segment| usize::from(segment.degree) == degree)
@@ -340,45 +230,4 @@ fn segments(path: &Path, reading: &SceneArgs, output: Output) -> anyhow::Result<
             .collect(),
     };
     Ok([2, 1, 0].map(of_degree).into())
-}
-
-/// Three numbers with commas between.
-fn point(text: &str) -> Result<DVec3, String> {
-    let numbers = text.split(',').map(number).collect::<Result<Vec<_>, _>>();
-    match numbers.as_deref() {
-        Ok(&[x, y, z]) => Ok(DVec3::new(x, y, z)),
-        _ => Err("must be three numbers with commas between, as in 1,0.5,-2".into()),
-    }
-}
-
-fn angle(text: &str) -> Result<f64, String> {
-    number(text).and_then(
-        |x| {
-            if (0.1..=179.0).contains(&x) { Ok(x) } else { Err("must be between 0.1 and 179".into()) }
-        },
-    )
-}
-
-fn size(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(n) if (1..=MAX_SIZE_PX).contains(&n) => Ok(n),
-        _ => Err(format!("must be a whole number between 1 and {MAX_SIZE_PX}")),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_point_is_three_numbers() {
-        assert_eq!(point("1, 0.5,-2"), Ok(DVec3::new(1.0, 0.5, -2.0)));
-        assert!(point("1,2").is_err() && point("1,2,x").is_err() && point("1,2,inf").is_err());
-    }
-
-    #[test]
-    fn sizes_and_angles_are_bounded() {
-        assert!(size("0").is_err() && size("99999").is_err() && size("640") == Ok(640));
-        assert!(angle("0").is_err() && angle("180").is_err() && angle("40") == Ok(40.0));
-    }
 }

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use clap::{Args, ValueEnum};
 use umbrage::scene::Scene;
-use umbrage_formats::{LampUnits, MaterialColour, Overrides, ReadOptions, UpAxis, read_scene_with};
+use umbrage_formats::{LampUnits, MaterialColour, Overrides, ReadOptions, UpAxis, Warning, read_scene_with};
 
 use crate::output;
 
 /// What a scene's file does not say, or says wrongly.
-#[derive(Debug, Default, Args)]
+#[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Scene")]
-pub(crate) struct SceneArgs {
+pub struct SceneArgs {
     /// Let a material give light: its radiance in W/(m2 sr), red, green and blue, or one number for all; may be repeated
     #[arg(long, value_name = "MATERIAL=R,G,B")]
     emit: Vec<MaterialColour>,
@@ -35,7 +35,7 @@ pub(crate) struct SceneArgs {
 
 /// A unit of length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Unit {
+pub enum Unit {
     /// Millimetre
     Mm,
     /// Centimetre
@@ -51,7 +51,7 @@ pub(crate) enum Unit {
 
 impl Unit {
     /// Its length in metres.
-    pub(crate) fn metres(self) -> f64 {
+    pub fn metres(self) -> f64 {
         match self {
             Self::Mm => 0.001,
             Self::Cm => 0.01,
@@ -64,7 +64,7 @@ impl Unit {
 
 /// What lamps are in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Lamps {
+pub enum Lamps {
     /// The same as surfaces: photometric both, or radiometric both
     #[default]
     Same,
@@ -74,7 +74,7 @@ pub(crate) enum Lamps {
 
 /// The axis that points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Up {
+pub enum Up {
     /// Y, as in glTF
     #[default]
     Y,
@@ -84,12 +84,27 @@ pub(crate) enum Up {
 
 impl SceneArgs {
     /// The unit that the file is taken to be in.
-    pub(crate) fn unit(&self) -> Unit {
+    pub fn unit(&self) -> Unit {
         self.unit
     }
 
     /// Reads a scene with what these options and the TOML say of it, and tells what of the file was not taken over.
-    pub(crate) fn read(&self, path: &Path, max_reflectance: f64) -> anyhow::Result<Scene> {
+    ///
+    /// # Errors
+    /// Where the scene or the TOML cannot be read.
+    pub fn read(&self, path: &Path, max_reflectance: f64) -> anyhow::Result<Scene> {
+        let (scene, warnings) = self.read_silently(path, max_reflectance)?;
+        for warning in &warnings {
+            output::warning(&format!("{}: {warning}", path.display()));
+        }
+        Ok(scene)
+    }
+
+    /// The same for a program that tells the warnings itself.
+    ///
+    /// # Errors
+    /// Where the scene or the TOML cannot be read.
+    pub fn read_silently(&self, path: &Path, max_reflectance: f64) -> anyhow::Result<(Scene, Vec<Warning>)> {
         let up = match self.up_axis {
             Up::Y => UpAxis::Y,
             Up::Z => UpAxis::Z,
@@ -102,18 +117,19 @@ impl SceneArgs {
         let options = ReadOptions { max_reflectance, unit_m, up, lamp_units, ..ReadOptions::default() };
         let (mut scene, mut warnings) = read_scene_with(path, &options)?;
         warnings.extend(self.overrides(path)?.apply(&mut scene, max_reflectance)?);
-        for warning in &warnings {
-            output::warning(&format!("{}: {warning}", path.display()));
-        }
-        Ok(scene)
+        Ok((scene, warnings))
+    }
+
+    /// The TOML that says more of a scene, whether it is there or not.
+    pub fn materials_path(&self, scene: &Path) -> PathBuf {
+        self.materials.clone().unwrap_or_else(|| Overrides::path_beside(scene))
     }
 
     fn overrides(&self, path: &Path) -> anyhow::Result<Overrides> {
-        let beside = Overrides::path_beside(path);
+        let file = self.materials_path(path);
         let mut overrides = match &self.materials {
-            Some(file) => Overrides::read(file)?,
-            None if beside.is_file() => Overrides::read(beside)?,
-            None => Overrides::default(),
+            None if !file.is_file() => Overrides::default(),
+            _ => Overrides::read(file)?,
         };
         for emission in &self.emit {
             overrides.emit(emission.clone());

@@ -10,7 +10,7 @@ use umbrage_picture::{Camera, PictureMesh, Texture, Wrap};
 
 /// What the colours of a picture are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Colors {
+pub enum Colors {
     /// Base colour times light, as any viewer shows it, but not cut off at white.
     Seen,
     /// The light alone, as if all surfaces were white.
@@ -20,16 +20,27 @@ pub(crate) enum Colors {
 }
 
 /// A baked file that is ready to be drawn.
-pub(crate) struct Shown {
-    pub(crate) file: BakedFile,
+pub struct Shown {
+    /// What was read.
+    pub file: BakedFile,
     /// The texture of each part that has one.
     textures: Vec<Option<Arc<Texture>>>,
 }
 
 impl Shown {
-    /// Reads a baked file and decodes its textures, each image once for each way to wrap it.
-    pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
-        let file = read_baked(path)?;
+    /// Reads a baked file and decodes its textures.
+    ///
+    /// # Errors
+    /// Where it cannot be read, or a texture cannot be decoded.
+    pub fn read(path: &Path) -> anyhow::Result<Self> {
+        Self::new(read_baked(path)?, path)
+    }
+
+    /// A baked file with its textures decoded, each image once for each way to wrap it. `path` is for messages.
+    ///
+    /// # Errors
+    /// Where a texture cannot be decoded.
+    pub fn new(file: BakedFile, path: &Path) -> anyhow::Result<Self> {
         let mut decoded: Vec<(_, Arc<Texture>)> = Vec::new();
         let mut textures = Vec::new();
         for part in &file.parts {
@@ -51,8 +62,13 @@ impl Shown {
         Ok(Self { file, textures })
     }
 
+    /// The texture of each part that has one.
+    pub fn textures(&self) -> &[Option<Arc<Texture>>] {
+        &self.textures
+    }
+
     /// Its parts, exposed with `k` per W/(m2 sr), which is the file's own unless two files are compared.
-    pub(crate) fn meshes(&self, colors: Colors, k: f64) -> Vec<PictureMesh> {
+    pub fn meshes(&self, colors: Colors, k: f64) -> Vec<PictureMesh> {
         let parts = self.file.parts.iter().zip(&self.textures);
         parts.map(|(part, texture)| self.mesh(part, texture.as_ref(), colors, k)).collect()
     }
@@ -84,7 +100,10 @@ impl Shown {
     }
 
     /// The camera of the file that is called `name`, or its first one.
-    pub(crate) fn camera(&self, name: Option<&str>) -> anyhow::Result<Option<Camera>> {
+    ///
+    /// # Errors
+    /// Where the file has none of that name.
+    pub fn camera(&self, name: Option<&str>) -> anyhow::Result<Option<Camera>> {
         let cameras = &self.file.cameras;
         let Some(name) = name else { return Ok(cameras.first().map(from_file)) };
         let found = cameras.iter().find(|camera| camera.name == name).map(from_file);
@@ -98,7 +117,8 @@ impl Shown {
     }
 }
 
-fn from_file(camera: &BakedCamera) -> Camera {
+/// A camera of a file: what it turns around is not said there, and is a metre ahead.
+pub fn from_file(camera: &BakedCamera) -> Camera {
     let &BakedCamera { eye_m, ahead, up, fov_y_deg, .. } = camera;
     Camera { eye_m, target_m: eye_m + ahead, up, fov_y_deg }
 }
@@ -112,12 +132,10 @@ fn wrap(wrap: TextureWrap) -> Wrap {
 }
 
 /// The camera where none is asked for and the file has none.
-pub(crate) fn default_camera(
-    meshes: &[PictureMesh],
-    width: usize,
-    height: usize,
-    fov_deg: f64,
-) -> anyhow::Result<Camera> {
+///
+/// # Errors
+/// Where there is nothing to look at.
+pub fn default_camera(meshes: &[PictureMesh], width: usize, height: usize, fov_deg: f64) -> anyhow::Result<Camera> {
     umbrage_picture::default_camera(meshes, width, height, fov_deg)?
         .ok_or_else(|| anyhow!("there are no triangles: bake a scene that has surfaces"))
 }

@@ -34,9 +34,19 @@ fn err(output: &Output) -> String {
 fn help_names_every_command_and_shows_how() {
     let help = umbrage(&["--help"]);
     assert_eq!(code(&help), Some(0));
-    for word in
-        ["bake", "demo", "render", "page", "info", "form-factor", "verify", "inspect", "Examples:", "Exit codes:"]
-    {
+    for word in [
+        "bake",
+        "demo",
+        "render",
+        "page",
+        "info",
+        "form-factor",
+        "verify",
+        "inspect",
+        "view",
+        "Examples:",
+        "Exit codes:",
+    ] {
         assert!(out(&help).contains(word), "{word}");
     }
     for command in ["bake", "demo", "render", "page", "info", "form-factor", "verify", "inspect"] {
@@ -45,6 +55,17 @@ fn help_names_every_command_and_shows_how() {
         assert!(out(&help).contains("Usage: umbrage"), "{command}");
     }
     assert!(out(&umbrage(&["--version"])).starts_with("umbrage 0."));
+}
+
+#[test]
+fn where_the_window_is_not_installed_it_is_told_how_to() {
+    // A copy of the program, which has no other beside it.
+    let folder = folder("no_window");
+    let copy = folder.join(format!("umbrage{}", std::env::consts::EXE_SUFFIX));
+    fs::copy(env!("CARGO_BIN_EXE_umbrage"), &copy).unwrap();
+    let told = Command::new(copy).args(["view", "room.glb"]).env("PATH", &folder).output().unwrap();
+    assert_eq!(code(&told), Some(1));
+    assert!(err(&told).contains("cargo install --path crates/umbrage-view"), "{}", err(&told));
 }
 
 #[test]

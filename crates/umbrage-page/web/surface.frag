@@ -57,8 +57,9 @@ void main() {
     color = encoded(displayed(seen));
   }
   if (wire) {
-    vec3 steps = max(fwidth(corner), vec3(1e-9));
-    vec3 away = corner / steps;
+    // Distance from each edge, in pixels.
+    vec3 across = dFdx(corner), down = dFdy(corner);
+    vec3 away = corner / max(sqrt(across * across + down * down), vec3(1e-9));
     float cover = WIRE_OPACITY * clamp(WIRE_RADIUS + 0.5 - min(away.x, min(away.y, away.z)), 0.0, 1.0);
     vec3 under = decoded(color);
     float line = dot(under, LUMINANCE_WEIGHTS) > CONTRAST_LUMINANCE ? 0.0 : 1.0;

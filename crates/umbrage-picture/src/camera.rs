@@ -50,8 +50,11 @@ impl Camera {
         Self { eye_m, target_m, up, fov_y_deg }
     }
 
-    /// The camera for a picture of `width` times `height` samples.
-    pub(crate) fn lens(&self, width: f64, height: f64) -> Result<Lens, CameraError> {
+    /// What is to the right, up and ahead in its picture: an orthonormal frame.
+    ///
+    /// # Errors
+    /// [`CameraError`] where it sees nothing.
+    pub fn frame(&self) -> Result<[DVec3; 3], CameraError> {
         let Self { eye_m, target_m, up, fov_y_deg } = *self;
         let ahead = (target_m - eye_m).normalize_or_zero();
         if !(eye_m.is_finite() && target_m.is_finite() && ahead != DVec3::ZERO) {
@@ -65,8 +68,14 @@ impl Camera {
             return Err(CameraError::FieldOfView(fov_y_deg));
         }
         let right = right.normalize();
-        let focal = 0.5 * height / (0.5 * fov_y_deg.to_radians()).tan();
-        Ok(Lens { eye_m, right, up: right.cross(ahead), ahead, focal, centre: DVec2::new(width, height) / 2.0 })
+        Ok([right, right.cross(ahead), ahead])
+    }
+
+    /// The camera for a picture of `width` times `height` samples.
+    pub(crate) fn lens(&self, width: f64, height: f64) -> Result<Lens, CameraError> {
+        let [right, up, ahead] = self.frame()?;
+        let focal = 0.5 * height / (0.5 * self.fov_y_deg.to_radians()).tan();
+        Ok(Lens { eye_m: self.eye_m, right, up, ahead, focal, centre: DVec2::new(width, height) / 2.0 })
     }
 }
 

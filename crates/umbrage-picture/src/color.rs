@@ -54,6 +54,9 @@ pub const SEQUENTIAL: [[u8; 3]; 9] = [
 /// From far below through equal to far above, as sRGB codes.
 pub const DIVERGING: [[u8; 3]; 5] = [[20, 70, 150], [120, 170, 216], [245, 245, 245], [235, 150, 110], [160, 25, 40]];
 
+/// Colours of d-segments of degree 0, 1 and 2, as sRGB codes.
+pub const DEGREES: [[u8; 3]; 3] = [[226, 30, 30], [255, 140, 0], [40, 110, 255]];
+
 /// How light becomes a displayable colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tone {

@@ -55,7 +55,7 @@ mod view;
 pub use camera::{Camera, CameraError};
 pub use color::{LinearRgb, Tone};
 pub use compare::{Difference, beside, difference};
-pub use line::{Line, LineColor, LineSet, wireframe};
+pub use line::{Line, LineColor, LineSet, SEGMENT_WIDTH_PX, WIRE_OPACITY, WIRE_WIDTH_PX, wireframe};
 pub use mesh::{MeshError, PictureMesh, bounds_m};
 #[cfg(feature = "exr")]
 pub use picture::ExrError;
@@ -63,4 +63,4 @@ pub use picture::{Picture, PngError};
 pub use render::{Look, MAX_SIZE_PX, RenderError, RenderSettings, render};
 pub use scale::{Scale, nice_ceiling};
 pub use texture::{Texture, TextureError, Wrap};
-pub use view::default_camera;
+pub use view::{default_camera, fit};

@@ -13,6 +13,13 @@ use crate::color::{CONTRAST_LUMINANCE, LinearRgb, luminance};
 use crate::mesh::PictureMesh;
 use crate::project::ScreenLine;
 
+/// Width of the lines of a wireframe, in pixels.
+pub const WIRE_WIDTH_PX: f64 = 0.8;
+/// How much of the picture a wireframe hides, 0 to 1.
+pub const WIRE_OPACITY: f32 = 0.45;
+/// Width of a d-segment, in pixels.
+pub const SEGMENT_WIDTH_PX: f64 = 1.6;
+
 /// A straight line in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {

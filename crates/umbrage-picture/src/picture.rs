@@ -3,7 +3,7 @@
 //! Holds: pixels are linear, and within 0..1 unless they are [`crate::Look::Raw`]; the same picture gives the same bytes:
 //! neither file carries time or tool.
 
-use crate::color::{LinearRgb, srgb8_from_linear};
+use crate::color::{LinearRgb, linear_from_srgb8, srgb8_from_linear};
 
 /// A picture in linear colours.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +25,12 @@ pub struct PngError(#[from] png::EncodingError);
 pub struct ExrError(#[from] exr::error::Error);
 
 impl Picture {
+    /// A picture of `width` columns from sRGB codes, row by row from the top; what does not fill a row is left out.
+    pub fn from_srgb8(width: usize, codes: &[[u8; 3]]) -> Self {
+        let height = codes.len().checked_div(width).unwrap_or(0);
+        Self { width, height, pixels: codes[..width * height].iter().map(|&code| linear_from_srgb8(code)).collect() }
+    }
+
     /// Width in pixels.
     pub fn width(&self) -> usize {
         self.width
@@ -107,6 +113,15 @@ mod tests {
         assert_eq!(reader.info().srgb, Some(png::SrgbRenderingIntent::Perceptual));
         assert_eq!(codes, picture().srgb8());
         assert_eq!(codes[..6], [0, 128, 255, 255, 0, 0]);
+    }
+
+    #[test]
+    fn codes_come_back_as_they_were() {
+        let codes: Vec<[u8; 3]> = (0..=255).map(|c| [c, 255 - c, c / 2]).collect();
+        let picture = Picture::from_srgb8(16, &codes);
+        assert_eq!((picture.width(), picture.height(), picture.srgb8()), (16, 16, codes.concat()));
+        assert_eq!(Picture::from_srgb8(100, &codes).height(), 2);
+        assert_eq!(Picture::from_srgb8(0, &codes).height(), 0);
     }
 
     #[cfg(feature = "exr")]

@@ -40,6 +40,13 @@ impl Scale {
         (0..=parts).map(|i| self.begin + (self.end - self.begin) * f64::from(i) / f64::from(parts)).collect()
     }
 
+    /// The numbers below the bar as they are written, and where they stand, as shares of its length.
+    pub fn labels(&self) -> Vec<(f64, String)> {
+        let ticks = self.ticks();
+        let last = (ticks.len() - 1) as f64;
+        ticks.into_iter().enumerate().map(|(i, tick)| (i as f64 / last, number(tick))).collect()
+    }
+
     /// Draws the legend over a picture.
     pub fn draw(&self, picture: &mut Picture) {
         let dot = (picture.height / ROWS_PER_DOT).max(1);
@@ -140,7 +147,7 @@ mod tests {
     fn ticks_are_round() {
         let ticks = |begin, end| {
             let scale = Scale { begin, end, unit: "lx", stops: &SEQUENTIAL };
-            scale.ticks().into_iter().map(number).collect::<Vec<_>>().join(" ")
+            scale.labels().into_iter().map(|(_, label)| label).collect::<Vec<_>>().join(" ")
         };
         assert_eq!(ticks(0.0, 20.0), "0 5 10 15 20");
         assert_eq!(ticks(0.0, 500.0), "0 100 200 300 400 500");

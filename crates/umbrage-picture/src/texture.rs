@@ -84,6 +84,16 @@ impl Texture {
         Ok(Self { levels: pyramid(Level { size, texels }), wrap })
     }
 
+    /// Its levels, from the finest to a single texel: columns and rows, and the texels row by row from the top.
+    pub fn levels(&self) -> impl ExactSizeIterator<Item = ([usize; 2], &[LinearRgb])> {
+        self.levels.iter().map(|level| (level.size, level.texels.as_slice()))
+    }
+
+    /// What it does beyond its border, along u and along v.
+    pub fn wrap(&self) -> [Wrap; 2] {
+        self.wrap
+    }
+
     /// The colour at `uv`, where the next samples to the right and below are `steps` away, as shares of the texture.
     pub(crate) fn sample(&self, uv: [f64; 2], steps: [[f64; 2]; 2]) -> LinearRgb {
         let [width, height] = self.levels[0].size.map(|side| side as f64);

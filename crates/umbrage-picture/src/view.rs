@@ -70,8 +70,9 @@ pub fn default_camera(
     Ok(Some(best))
 }
 
-/// A camera in direction `from` of a box, just as far away as the box needs to be seen as a whole.
-fn fit([low, high]: [DVec3; 2], from: DVec3, aspect: f64, fov_y_deg: f64) -> Camera {
+/// A camera in direction `from` of a box, just as far away as the box needs to be seen as a whole in a picture that is
+/// `aspect` times as wide as high.
+pub fn fit([low, high]: [DVec3; 2], from: DVec3, aspect: f64, fov_y_deg: f64) -> Camera {
     let (middle, from) = ((low + high) / 2.0, from.normalize());
     let frame = Camera::looking(middle + from, middle, fov_y_deg);
     let right = (-from).cross(frame.up).normalize();

@@ -188,6 +188,18 @@ impl Clock {
 /// # Errors
 /// A [`BakeError`] where the scene is refused or the callback cancels.
 pub fn bake(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> Result<Bake, BakeError> {
+    bake_and_keep(scene, settings, progress).map(|(bake, _)| bake)
+}
+
+/// Bakes a scene, and keeps what it came from: for programs that show where the light on a surface is from.
+///
+/// # Errors
+/// As [`bake`].
+pub fn bake_and_keep(
+    scene: &Scene,
+    settings: &BakeSettings,
+    progress: Progress<'_>,
+) -> Result<(Bake, Meshed), BakeError> {
     let mut clock = Clock::start();
     scene.validate()?;
     let prepared = prepare::prepare_with(scene, settings.prepare, progress)?;
@@ -242,7 +254,7 @@ pub fn bake(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> R
         residual: solution.residual,
         seconds: clock.seconds,
     };
-    Ok(Bake { mesh: shaded.mesh, report })
+    Ok((Bake { mesh: shaded.mesh, report }, Meshed { prepared, discontinuities, mesh }))
 }
 
 /// A d-segment in the world, for pictures.

@@ -47,3 +47,45 @@ pub fn missed_by_links(
     };
     (0..mesh.patch_count()).into_par_iter().map(of).collect::<Result<Vec<Rgb>, Cancelled>>().map(Table::from)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::MeshSettings;
+    use crate::scene::Material;
+    use crate::solve::{SolveSettings, solve};
+    use crate::transport::{DirectLight, FormFactorOracle, link_all};
+    use crate::visibility::{Visibility, fixture};
+    use glam::DVec3;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn a_furnished_furnace_is_even_once_what_links_miss_is_known() {
+        // Everything emits 1 and reflects a half: irradiance is 2 everywhere, but not behind the touching sides.
+        let glow = Material { reflectance: Rgb::splat(0.5), ..Material::emitting("glow", Rgb::ONE / PI) };
+        let mut room = fixture::inward_box(DVec3::ZERO, DVec3::new(2.0, 1.5, 1.0));
+        room.extend(fixture::outward_box(DVec3::new(0.5, 0.5, 0.25), DVec3::new(1.0, 1.0, 0.75)));
+        let polygons: Vec<_> = room.into_iter().map(|polygon| (polygon, 0)).collect();
+        let (prepared, scene) = (fixture::prepared_of_materials(&polygons), fixture::scene(vec![glow]));
+        let index = Visibility::new(&prepared);
+        let mut mesh = Mesh::new(&prepared, &Table::new(), MeshSettings::default());
+        let coplanar_m = prepared.tolerance.coplanar_m();
+        let oracle = FormFactorOracle { max_form_factor: 0.1, min_area_m2: 0.02, coplanar_m };
+        let links = link_all(&prepared, &index, &mut mesh, &oracle, Progress::silent()).unwrap();
+        let direct = DirectLight::new(&scene, &prepared, &index);
+        let mut surfaces = Surfaces::new(&scene, &prepared, &mesh, &direct);
+        let settings = SolveSettings { max_residual: 1e-7, max_iterations: 99 };
+        let solved = |surfaces: &Surfaces| solve(&mesh, surfaces, &links, settings, Progress::silent()).unwrap();
+        let error = |solution: &Solution| {
+            let squared = |leaf| mesh.patch(leaf).area_m2 * (solution.irradiance[leaf].x - 2.0).powi(2);
+            let area_m2: f64 = mesh.leaves().map(|leaf| mesh.patch(leaf).area_m2).sum();
+            (mesh.leaves().map(squared).sum::<f64>() / area_m2).sqrt() / 2.0
+        };
+        let by_links = solved(&surfaces);
+        let light = Irradiance::new(&prepared, &index, &mesh, &direct, &by_links);
+        surfaces.missed = missed_by_links(&prepared, &mesh, &surfaces, &light, &by_links, Progress::silent()).unwrap();
+        let corrected = solved(&surfaces);
+        assert!(error(&corrected) < 2e-3, "{}", error(&corrected));
+        assert!(error(&corrected) < 0.3 * error(&by_links), "{} {}", error(&corrected), error(&by_links));
+    }
+}

@@ -1,0 +1,92 @@
+//! The options that say what becomes of light in a picture.
+
+use clap::{Args, ValueEnum};
+use umbrage_formats::BakedFile;
+use umbrage_picture::{Scale, Tone, color, nice_ceiling};
+
+use crate::method::positive;
+use crate::shown::Colors;
+
+/// What becomes of the light.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Light")]
+pub struct LookArgs {
+    /// Make the picture this many times brighter
+    #[arg(long, value_name = "K", value_parser = positive, default_value_t = 1.0)]
+    pub exposure: f64,
+    /// What becomes of light that is too bright for a screen
+    #[arg(long, value_name = "TONE", default_value = "off")]
+    tone: ToneArg,
+    /// Draw the light alone, as if all surfaces were white
+    #[arg(long)]
+    light_only: bool,
+    /// Draw the irradiance in false colours, with a legend, in this unit [default without UNIT: w]
+    #[arg(long, value_name = "UNIT", num_args = 0..=1, default_missing_value = "w",
+        conflicts_with_all = ["light_only", "exposure", "tone"])]
+    pub false_color: Option<Unit>,
+    /// Where the scale of --false-color ends, in its unit [default: a round number above nearly all of the scene]
+    #[arg(long, value_name = "E", value_parser = positive, requires = "false_color")]
+    pub scale_end: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ToneArg {
+    /// It is cut off, as in every glTF viewer
+    Off,
+    /// It goes through the curve of a film: softer in the bright, more contrast in the dark
+    Filmic,
+}
+
+/// Units of irradiance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Unit {
+    /// W/m2, as in the file
+    W,
+    /// lx, at 683 lm per W: for scenes whose light is in watts
+    Lx,
+    /// lx, as in the file: for scenes whose light is photometric already, as in MGF
+    Photometric,
+}
+
+impl LookArgs {
+    /// The tone curve.
+    pub fn tone(&self) -> Tone {
+        match self.tone {
+            ToneArg::Off => Tone::Off,
+            ToneArg::Filmic => Tone::Filmic,
+        }
+    }
+
+    /// What the colours of the picture are.
+    pub fn colors(&self) -> Colors {
+        match (self.false_color, self.light_only) {
+            (Some(_), _) => Colors::Irradiance,
+            (None, true) => Colors::Light,
+            (None, false) => Colors::Seen,
+        }
+    }
+}
+
+impl Unit {
+    /// What it is called in a legend.
+    pub fn name(self) -> &'static str {
+        if self == Self::W { "W/m2" } else { "lx" }
+    }
+
+    /// How many of it are 1 in the file.
+    pub fn per_file_unit(self) -> f64 {
+        if self == Self::Lx { color::LUMENS_PER_WATT } else { 1.0 }
+    }
+
+    /// The scale of false colours that ends at `end`, in this unit.
+    pub fn scale(self, end: f64) -> Scale {
+        Scale { begin: 0.0, end, unit: self.name(), stops: &color::SEQUENTIAL }
+    }
+
+    /// A round number, in this unit, that nearly all of the irradiance in a file is below.
+    pub fn scale_end(self, file: &BakedFile) -> f64 {
+        nice_ceiling(
+            self.per_file_unit() * file.irradiance_quantile(color::SHARE_WITHIN_SCALE, color::LUMINANCE_WEIGHTS),
+        )
+    }
+}

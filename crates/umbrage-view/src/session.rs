@@ -1,0 +1,137 @@
+//! The file that is open in a window: it is opened, baked if it is a scene, and opened again when it changes.
+//!
+//! Holds: what is shown stays until something newer is there, whatever fails or is cancelled meanwhile.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use eframe::egui::Context;
+use umbrage::bake::BakeSettings;
+
+use crate::load::{Job, Loaded, Loading};
+use crate::watch::Watch;
+
+/// Time between looks at whether the file has changed.
+pub(crate) const WATCH_EVERY: Duration = Duration::from_millis(500);
+
+/// What is open.
+pub(crate) struct Session {
+    pub(crate) job: Job,
+    pub(crate) loading: Option<Loading>,
+    pub(crate) loaded: Option<Loaded>,
+    /// Why the last attempt gave nothing.
+    pub(crate) failure: Option<String>,
+    watch: Watch,
+    looked: Instant,
+}
+
+impl Session {
+    /// Begins to open a file.
+    pub(crate) fn new(job: Job, ctx: &Context) -> Self {
+        let watch = Watch::new(watched(&job));
+        let mut session = Self { job, loading: None, loaded: None, failure: None, watch, looked: Instant::now() };
+        session.open(ctx);
+        session
+    }
+
+    /// Opens the file, again; an attempt that is still going on is given up.
+    pub(crate) fn open(&mut self, ctx: &Context) {
+        let ctx = ctx.clone();
+        self.failure = None;
+        self.loading = Some(Loading::begin(self.job.clone(), move || ctx.request_repaint()));
+    }
+
+    /// Bakes the scene with other settings.
+    pub(crate) fn bake(&mut self, settings: BakeSettings, ctx: &Context) {
+        self.job.settings = settings;
+        self.open(ctx);
+    }
+
+    /// Gives up what is going on.
+    pub(crate) fn cancel(&mut self) {
+        self.loading = None;
+        self.failure = Some("cancelled".into());
+    }
+
+    /// Looks at what has happened; tells whether there is something new to be shown.
+    pub(crate) fn look(&mut self, ctx: &Context) -> bool {
+        if self.looked.elapsed() >= WATCH_EVERY {
+            self.looked = Instant::now();
+            if self.watch.has_changed() {
+                self.open(ctx);
+            }
+        }
+        let Some(result) = self.loading.as_ref().and_then(Loading::result) else { return false };
+        self.loading = None;
+        match result {
+            Ok(loaded) => {
+                self.loaded = Some(loaded);
+                true
+            }
+            Err(error) => {
+                self.failure = Some(format!("{error:#}"));
+                false
+            }
+        }
+    }
+
+    /// The file's name.
+    pub(crate) fn name(&self) -> String {
+        let path = &self.job.path;
+        path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+    }
+}
+
+/// The scene, and what may say more of its materials.
+fn watched(job: &Job) -> Vec<PathBuf> {
+    let mut files = vec![job.path.clone(), job.reading.materials_path(&job.path)];
+    // A library of materials beside an OBJ has its name, usually.
+    files.push(job.path.with_extension("mtl"));
+    files
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{fs, thread};
+
+    use umbrage::shade::ShadeSettings;
+    use umbrage_cli::scene_file::SceneArgs;
+
+    use super::*;
+
+    /// Looks until something new is there.
+    fn wait(session: &mut Session, ctx: &Context) {
+        let begin = Instant::now();
+        while !session.look(ctx) {
+            assert!(begin.elapsed() < Duration::from_secs(120), "{:?}", session.failure);
+            thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    #[test]
+    fn a_scene_is_baked_again_when_it_changes_and_stays_when_it_breaks() {
+        let scenes = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../testdata/scenes");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.glb");
+        fs::copy(scenes.join("occluder.glb"), &path).unwrap();
+        let coarse = ShadeSettings { tolerance: f64::INFINITY, ..ShadeSettings::default() };
+        let settings = BakeSettings { max_form_factor: Some(0.5), shade: coarse, ..BakeSettings::default() };
+        let ctx = Context::default();
+        let mut session = Session::new(Job { path: path.clone(), reading: SceneArgs::default(), settings }, &ctx);
+        wait(&mut session, &ctx);
+        assert!(session.loaded.as_ref().unwrap().baked.is_some());
+        let before = session.loaded.as_ref().unwrap().tables.vertices.clone();
+
+        fs::copy(scenes.join("furnace.glb"), &path).unwrap();
+        wait(&mut session, &ctx);
+        let after = session.loaded.as_ref().unwrap().tables.vertices.clone();
+        assert_ne!(before, after);
+
+        fs::write(&path, "broken").unwrap();
+        while session.failure.is_none() {
+            assert!(!session.look(&ctx));
+            thread::sleep(Duration::from_millis(20));
+        }
+        assert_eq!(session.loaded.as_ref().unwrap().tables.vertices, after);
+    }
+}
