@@ -15,8 +15,7 @@ use umbrage_formats::{BakeFacts, BakedFile, FormatError, TextureWrap, baked_glb_
 /// The box's own polygons as triangles, under an irradiance that grows with height.
 fn bake(scene: &Scene) -> BakedMesh {
     let parts = scene.surfaces.iter_enumerated().map(|(surface, s)| {
-        let mut part =
-            BakedPart { surface, positions_m: vec![], normals: vec![], irradiance: vec![], triangles: vec![] };
+        let mut part = BakedPart::new(surface);
         for polygon in 0..s.polygons.len() {
             let corners: Vec<DVec3> = scene.corners_m(surface, polygon).collect();
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();

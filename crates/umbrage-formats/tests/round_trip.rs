@@ -20,8 +20,7 @@ use umbrage_formats::{
 fn made_up_bake(scene: &Scene) -> BakedMesh {
     let origin_m = DVec3::new(0.1, -3.0, 1e6 / 3.0);
     let part = |(surface, s): (SurfaceId, &umbrage::scene::Surface)| {
-        let mut part =
-            BakedPart { surface, positions_m: vec![], normals: vec![], irradiance: vec![], triangles: vec![] };
+        let mut part = BakedPart::new(surface);
         for polygon in 0..s.polygons.len() {
             let corners: Vec<DVec3> = scene.corners_m(surface, polygon).collect();
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
@@ -53,9 +52,19 @@ fn written(scene: &Scene, baked: &BakedMesh, facts: &BakeFacts) -> (Value, Baked
 /// A scene with nested nodes, a node without surfaces, and a surface whose part will be empty.
 fn nested_scene() -> Scene {
     let mut scene = cornell_box();
-    scene.nodes.push(Node { name: Some("lamp".into()), parent: Some(0.into()), mesh_name: Some("bulb".into()) });
-    scene.nodes.push(Node { name: None, parent: Some(1.into()), mesh_name: None });
-    scene.nodes.push(Node { name: Some("gone".into()), parent: None, mesh_name: Some("gone".into()) });
+    scene.nodes.push(Node {
+        name: Some("lamp".into()),
+        parent: Some(0.into()),
+        mesh_name: Some("bulb".into()),
+        ..Node::default()
+    });
+    scene.nodes.push(Node { name: None, parent: Some(1.into()), ..Node::default() });
+    scene.nodes.push(Node {
+        name: Some("gone".into()),
+        parent: None,
+        mesh_name: Some("gone".into()),
+        ..Node::default()
+    });
     scene.surfaces[SurfaceId::from(3)].node = NodeId::from(1);
     scene.surfaces[SurfaceId::from(2)].node = NodeId::from(3);
     scene
@@ -96,8 +105,7 @@ fn nodes_stay_and_only_parts_with_triangles_become_meshes() {
     let mut baked = made_up_bake(&scene);
     for part in [1, 2] {
         let surface = baked.parts[part].surface;
-        baked.parts[part] =
-            BakedPart { surface, positions_m: vec![], normals: vec![], irradiance: vec![], triangles: vec![] };
+        baked.parts[part] = BakedPart::new(surface);
     }
     let (json, _) = written(&scene, &baked, &facts());
     assert_eq!(

@@ -11,6 +11,7 @@
 //! |---|---|
 //! | `color` | exposure, tone curve, clipping, sRGB, false colours: the only place that leaves linear light |
 //! | `mesh`, `texture` | what is drawn |
+//! | `mean_color` | the mean colour of an image, or of a part of it |
 //! | `camera`, `view` | the camera, and the one where none is asked for |
 //! | `project` | clipping, projection, snapping to the grid |
 //! | `fill` | which samples a triangle covers |
@@ -44,6 +45,7 @@ mod compare;
 mod fill;
 mod glyph;
 mod line;
+mod mean_color;
 mod mesh;
 mod picture;
 mod project;
@@ -56,6 +58,7 @@ pub use camera::{Camera, CameraError};
 pub use color::{LinearRgb, Tone};
 pub use compare::{Difference, beside, difference};
 pub use line::{Line, LineColor, LineSet, wireframe};
+pub use mean_color::{MeanColor, Seen};
 pub use mesh::{MeshError, PictureMesh, bounds_m};
 #[cfg(feature = "exr")]
 pub use picture::ExrError;

@@ -74,13 +74,9 @@ impl Texture {
     /// # Errors
     /// [`TextureError`] where it is neither, broken or too large.
     pub fn decode(file: &[u8], wrap: [Wrap; 2]) -> Result<Self, TextureError> {
-        let (size, codes) = match file {
-            [0x89, b'P', b'N', b'G', ..] => decode_png(file)?,
-            [0xff, 0xd8, 0xff, ..] => decode_jpeg(file)?,
-            _ => return Err(TextureError::UnknownFormat),
-        };
+        let (size, codes) = decode(file)?;
         let linear: Vec<f32> = (0..=255u8).map(|code| linear_from_srgb(f64::from(code) / 255.0) as f32).collect();
-        let texels = codes.iter().map(|code| code.map(|c| linear[usize::from(c)])).collect();
+        let texels = codes.iter().map(|&[r, g, b, _]| [r, g, b].map(|c| linear[usize::from(c)])).collect();
         Ok(Self { levels: pyramid(Level { size, texels }), wrap })
     }
 
@@ -114,6 +110,15 @@ impl Level {
     }
 }
 
+/// Decodes a PNG or a JPEG.
+pub(crate) fn decode(file: &[u8]) -> Result<Codes, TextureError> {
+    match file {
+        [0x89, b'P', b'N', b'G', ..] => decode_png(file),
+        [0xff, 0xd8, 0xff, ..] => decode_jpeg(file),
+        _ => Err(TextureError::UnknownFormat),
+    }
+}
+
 /// The two texels of a row of `size` around `at`, and how far the point is on its way to the second.
 fn between(at: f64, size: usize, wrap: Wrap) -> (usize, usize, f32) {
     let place = at * size as f64 - 0.5;
@@ -124,7 +129,7 @@ fn between(at: f64, size: usize, wrap: Wrap) -> (usize, usize, f32) {
 }
 
 /// The texel that stands for texel `index` of a row of `size`.
-fn wrapped(index: i64, size: usize, wrap: Wrap) -> usize {
+pub(crate) fn wrapped(index: i64, size: usize, wrap: Wrap) -> usize {
     let size = size as i64;
     let texel = match wrap {
         Wrap::Repeat => index.rem_euclid(size),
@@ -168,8 +173,8 @@ fn mean(below: &Level, size: [usize; 2], at: [usize; 2]) -> LinearRgb {
     sum.map(|s| s / count)
 }
 
-/// Size and sRGB codes.
-type Codes = ([usize; 2], Vec<[u8; 3]>);
+/// Size, and sRGB codes with alpha.
+pub(crate) type Codes = ([usize; 2], Vec<[u8; 4]>);
 
 fn checked(width: usize, height: usize) -> Result<[usize; 2], TextureError> {
     let fits = |side: usize| (1..=MAX_SIZE_TEXELS).contains(&side);
@@ -186,9 +191,11 @@ fn decode_png(file: &[u8]) -> Result<Codes, TextureError> {
     let frame = reader.next_frame(&mut bytes)?;
     let channels = frame.color_type.samples();
     let codes = bytes[..frame.buffer_size()].chunks_exact(channels).map(|texel| match *texel {
-        [r, g, b, ..] => [r, g, b],
-        [grey, ..] => [grey; 3],
-        [] => [0; 3],
+        [r, g, b, a] => [r, g, b, a],
+        [r, g, b] => [r, g, b, u8::MAX],
+        [grey, a] => [grey, grey, grey, a],
+        [grey, ..] => [grey, grey, grey, u8::MAX],
+        [] => [0; 4],
     });
     Ok((size, codes.collect()))
 }
@@ -203,19 +210,19 @@ fn decode_jpeg(file: &[u8]) -> Result<Codes, TextureError> {
     let bytes = decoder.decode().map_err(|error| TextureError::Jpeg(error.to_string()))?;
     let (width, height) = decoder.dimensions().ok_or_else(|| broken("it has no size"))?;
     let size = checked(width, height)?;
-    let codes: Vec<[u8; 3]> = bytes.chunks_exact(3).map(|texel| [texel[0], texel[1], texel[2]]).collect();
+    let codes: Vec<[u8; 4]> = bytes.chunks_exact(3).map(|texel| [texel[0], texel[1], texel[2], u8::MAX]).collect();
     if codes.len() == width * height { Ok((size, codes)) } else { Err(broken("it is cut off")) }
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::color::linear_from_srgb8;
 
     /// Samples that are as good as in one place.
     const NEAR: [[f64; 2]; 2] = [[0.0; 2]; 2];
 
-    fn png_of(width: u32, height: u32, color: png::ColorType, bytes: &[u8]) -> Vec<u8> {
+    pub(crate) fn png_of(width: u32, height: u32, color: png::ColorType, bytes: &[u8]) -> Vec<u8> {
         let mut file = Vec::new();
         let mut encoder = png::Encoder::new(&mut file, width, height);
         encoder.set_color(color);
