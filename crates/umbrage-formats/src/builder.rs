@@ -9,6 +9,7 @@ use glam::{DVec2, DVec3};
 use umbrage::id::{ImageId, MaterialId, NodeId, SurfaceId};
 use umbrage::scene::{Image, Material, Node, Rgb, Scene, Surface};
 
+use crate::warning::Unknown;
 use crate::{FormatError, ReadOptions, Warning};
 
 /// Reflectance of what has no material, or one that does not say: the grey of an average room.
@@ -138,7 +139,7 @@ impl SceneBuilder {
         u32::try_from(positions.len() - 1).unwrap_or(u32::MAX)
     }
 
-    /// Says the normal and the place in its image, if there is one, of the position that was added last.
+    /// Says the normal (zero for none) and the place in its image, if there is one, of the position that was added last.
     pub(crate) fn corner(&mut self, surface: SurfaceId, normal: DVec3, uv: Option<DVec2>) {
         let surface = &mut self.scene.surfaces[surface];
         surface.normals.push(normal);
@@ -157,6 +158,28 @@ impl SceneBuilder {
             max_reflectance: self.max_reflectance,
         });
         (self.scene, capped)
+    }
+
+    /// The scene of a format that has no materials, and all warnings.
+    pub(crate) fn finish_without_materials(
+        self,
+        too_few_corners: usize,
+        coloured_vertices: usize,
+        unknown: Unknown,
+    ) -> (Scene, Vec<Warning>) {
+        let (scene, capped) = self.finish();
+        let mut warnings = Vec::new();
+        let mut warn = |count: usize, warning: fn(usize) -> Warning| {
+            if count > 0 {
+                warnings.push(warning(count));
+            }
+        };
+        warn(too_few_corners, |polygons| Warning::TooFewCorners { polygons });
+        warn(coloured_vertices, |vertices| Warning::ColouredVertices { vertices });
+        warn(scene.polygon_count(), |polygons| Warning::WithoutMaterial { polygons });
+        warnings.extend(capped);
+        warnings.extend(unknown.warning());
+        (scene, warnings)
     }
 }
 

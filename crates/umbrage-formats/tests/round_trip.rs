@@ -18,23 +18,7 @@ use umbrage_formats::{
 
 /// The scene's own polygons as triangles, with an irradiance made up from the position.
 fn made_up_bake(scene: &Scene) -> BakedMesh {
-    let origin_m = DVec3::new(0.1, -3.0, 1e6 / 3.0);
-    let part = |(surface, s): (SurfaceId, &umbrage::scene::Surface)| {
-        let mut part = BakedPart::new(surface);
-        for polygon in 0..s.polygons.len() {
-            let corners: Vec<DVec3> = scene.corners_m(surface, polygon).collect();
-            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
-            let first = part.positions_m.len() as u32;
-            for corner in &corners {
-                part.positions_m.push(corner.as_vec3().into());
-                part.normals.push(normal.as_vec3().into());
-                part.irradiance.push((corner.abs() * 7.0).as_vec3().into());
-            }
-            part.triangles.extend((1..corners.len() as u32 - 1).map(|i| [first, first + i, first + i + 1]));
-        }
-        part
-    };
-    BakedMesh { origin_m, parts: scene.surfaces.iter_enumerated().map(part).collect() }
+    common::made_up_bake(scene, DVec3::new(0.1, -3.0, 1e6 / 3.0), |corner| (corner.abs() * 7.0).as_vec3().into())
 }
 
 fn facts() -> BakeFacts {

@@ -5,7 +5,7 @@
 //! corners. A face's front is where its corners run counter-clockwise, whatever its normals say. Units
 //! are the caller's to say; nothing in an OBJ does.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -52,7 +52,6 @@ pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(
         normals,
         seen: [0; 3],
         placed: HashMap::new(),
-        without_normals: BTreeSet::new(),
         builder,
         materials,
         material: None,
@@ -66,10 +65,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(
     while let Some(line) = cursor.next_line(bytes, false) {
         reader.statement(Place { file: &file, line: line.number }, &line.text, &mut unknown)?;
     }
-    let Reader { mut builder, materials, tally, without_normals, .. } = reader;
-    for (_, surface) in builder.surfaces_mut().filter(|(id, _)| without_normals.contains(id)) {
-        surface.normals.clear();
-    }
+    let Reader { mut builder, materials, tally, .. } = reader;
     materials.textures.set_reflectances(&mut builder);
     let (scene, capped) = builder.finish();
     let mut warnings = tally.warnings(coloured_vertices);
@@ -142,8 +138,6 @@ struct Reader<'a> {
     seen: [usize; 3],
     /// The number of each corner in each surface.
     placed: HashMap<(SurfaceId, Corner), u32>,
-    /// Surfaces of which some corner has no normal.
-    without_normals: BTreeSet<SurfaceId>,
     builder: SceneBuilder,
     materials: Materials,
     /// `None` before the first `usemtl`.
@@ -221,9 +215,6 @@ impl Reader<'_> {
         }
         let number = self.builder.position(surface, self.vertices[corner.vertex]);
         let normal = corner.normal.and_then(|normal| self.normals[normal].try_normalize());
-        if normal.is_none() {
-            self.without_normals.insert(surface);
-        }
         let uv = self.materials.textures.is_on(material).then(|| {
             let coordinates = coordinates.map_or(DVec2::ZERO, |coordinates| self.coordinates[coordinates]);
             let place = self.materials.textures.place(material, coordinates);

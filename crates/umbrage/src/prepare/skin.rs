@@ -248,9 +248,9 @@ pub(crate) fn bends_smoothly(one: DVec3, other: DVec3) -> bool {
     one.dot(other) >= LEAST_SMOOTH_COSINE
 }
 
-/// Whether two normals are the same but for rounding.
+/// Whether two normals are there, and the same but for rounding.
 pub(crate) fn are_same_normals(one: DVec3, other: DVec3) -> bool {
-    one.distance(other) <= SAME_NORMAL_RAD
+    one != DVec3::ZERO && one.distance(other) <= SAME_NORMAL_RAD
 }
 
 #[cfg(test)]
