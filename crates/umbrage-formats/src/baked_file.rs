@@ -65,6 +65,8 @@ pub struct BakedFilePart {
     pub base_color: [f32; 4],
     /// Its base colour texture.
     pub texture: Option<BakedTexture>,
+    /// Where the alpha of the texture is less, nothing is shown (`alphaMode` MASK); `None` shows all.
+    pub cutoff: Option<f32>,
     /// Where each vertex lies in the texture, (0, 0) being its upper left corner; empty without texture.
     pub uvs: Vec<[f32; 2]>,
     /// What its material emitted; `None` if it only reflects.

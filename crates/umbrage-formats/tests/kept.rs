@@ -196,9 +196,12 @@ fn what_is_blended_or_masked_looks_as_it_did() {
         json!({"name": "glass", "alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.8, 0.9, 0.25]}}),
         json!({"name": "leaf", "alphaMode": "MASK", "alphaCutoff": 0.75}),
     ]);
+    build.json["materials"][3]["pbrMetallicRoughness"] =
+        json!({"baseColorFactor": [1, 1, 1, 0.9], "baseColorTexture": {"index": 0}});
+    let place = coordinates(&mut build, &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
     for (material, y) in [(2, 1.0_f32), (3, 1.5)] {
         let position = build.floats(&[[0.0, y, 0.0], [0.2, y, 0.0], [0.0, y, 0.2]]);
-        build.primitive(json!({"attributes": {"POSITION": position}, "material": material}));
+        build.primitive(json!({"attributes": {"POSITION": position, "TEXCOORD_0": place}, "material": material}));
     }
     let (scene, warnings) = build.read().unwrap();
     assert!(warnings.contains(&Warning::BlendedPassedOn { polygons: 1 }));
@@ -210,6 +213,9 @@ fn what_is_blended_or_masked_looks_as_it_did() {
     assert_eq!(by_name("glass")["alphaMode"], "BLEND");
     assert_eq!(by_name("glass")["pbrMetallicRoughness"]["baseColorFactor"], json!([0.5, 0.8, 0.9, 0.25]));
     assert_eq!((&by_name("leaf")["alphaMode"], &by_name("leaf")["alphaCutoff"]), (&json!("MASK"), &json!(0.75)));
+    // The image's alpha counts times 0.9.
+    assert_eq!(file.parts[2].cutoff, Some(0.75 / 0.9));
+    assert_eq!(file.parts[0].cutoff, None);
     let primitives = json["meshes"][0]["primitives"].as_array().unwrap();
     assert_eq!(primitives.len(), 4);
     assert!(primitives[3]["attributes"].get("_IRRADIANCE").is_none());

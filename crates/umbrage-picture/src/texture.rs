@@ -6,7 +6,7 @@
 //! so it stays sharp where a surface is seen at a grazing angle.
 //!
 //! Holds: colours lie within 0..1; a texture of one colour has that colour everywhere; memory is 4/3 of the texels'.
-//! Alpha is ignored: baked surfaces are opaque.
+//! Alpha is averaged like a colour, as graphics processors do it; what it means is the caller's to say.
 
 use std::io::Cursor;
 
@@ -14,7 +14,7 @@ use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use crate::color::{LinearRgb, linear_from_srgb};
+use crate::color::linear_from_srgb;
 
 /// Largest width and height of a texture, in texels: what graphics processors take.
 const MAX_SIZE_TEXELS: usize = 16384;
@@ -43,8 +43,11 @@ pub struct Texture {
 #[derive(Clone, Debug, PartialEq)]
 struct Level {
     size: [usize; 2],
-    texels: Vec<LinearRgb>,
+    texels: Vec<Texel>,
 }
+
+/// Linear RGB and alpha.
+type Texel = [f32; 4];
 
 /// An image that cannot be a texture.
 #[derive(Debug, thiserror::Error)]
@@ -76,12 +79,16 @@ impl Texture {
     pub fn decode(file: &[u8], wrap: [Wrap; 2]) -> Result<Self, TextureError> {
         let (size, codes) = decode(file)?;
         let linear: Vec<f32> = (0..=255u8).map(|code| linear_from_srgb(f64::from(code) / 255.0) as f32).collect();
-        let texels = codes.iter().map(|&[r, g, b, _]| [r, g, b].map(|c| linear[usize::from(c)])).collect();
+        let texel = |&[r, g, b, a]: &[u8; 4]| {
+            let [r, g, b] = [r, g, b].map(|c| linear[usize::from(c)]);
+            [r, g, b, f32::from(a) / 255.0]
+        };
+        let texels = codes.iter().map(texel).collect();
         Ok(Self { levels: pyramid(Level { size, texels }), wrap })
     }
 
-    /// The colour at `uv`, where the next samples to the right and below are `steps` away, as shares of the texture.
-    pub(crate) fn sample(&self, uv: [f64; 2], steps: [[f64; 2]; 2]) -> LinearRgb {
+    /// Colour and alpha at `uv`, where the next samples to the right and below are `steps` away, as shares of the texture.
+    pub(crate) fn sample(&self, uv: [f64; 2], steps: [[f64; 2]; 2]) -> Texel {
         let [width, height] = self.levels[0].size.map(|side| side as f64);
         let texels = steps.map(|[u, v]| (u * width).hypot(v * height)).into_iter().fold(0.0, f64::max);
         let last = self.levels.len() - 1;
@@ -98,8 +105,8 @@ impl Texture {
 }
 
 impl Level {
-    /// The colour at `uv`, between the four texels around it.
-    fn sample(&self, uv: [f64; 2], wrap: [Wrap; 2]) -> LinearRgb {
+    /// Colour and alpha at `uv`, between the four texels around it.
+    fn sample(&self, uv: [f64; 2], wrap: [Wrap; 2]) -> Texel {
         let [(x0, x1, sx), (y0, y1, sy)] = [0, 1].map(|axis| between(uv[axis], self.size[axis], wrap[axis]));
         let texel = |x: usize, y: usize| self.texels[y * self.size[0] + x];
         let (a, b, c, d) = (texel(x0, y0), texel(x1, y0), texel(x0, y1), texel(x1, y1));
@@ -159,11 +166,11 @@ fn pyramid(finest: Level) -> Vec<Level> {
 }
 
 /// The mean of the texels of `below` that texel `at` of a level of `size` covers.
-fn mean(below: &Level, size: [usize; 2], at: [usize; 2]) -> LinearRgb {
+fn mean(below: &Level, size: [usize; 2], at: [usize; 2]) -> Texel {
     let [columns, rows] =
         [0, 1].map(|axis| at[axis] * below.size[axis] / size[axis]..(at[axis] + 1) * below.size[axis] / size[axis]);
     let count = (columns.len() * rows.len()) as f32;
-    let mut sum = [0.0f32; 3];
+    let mut sum = [0.0f32; 4];
     for y in rows {
         for x in columns.clone() {
             let texel = below.texels[y * below.size[0] + x];
@@ -266,7 +273,7 @@ pub(crate) mod tests {
                 assert!((seen - expected).abs() < 1e-6, "{footprint}: {seen} {expected}");
             }
         }
-        assert_eq!(two(Wrap::Repeat).sample([0.1, 0.1], [[1.0, 0.0], [0.0; 2]]), [0.5; 3]);
+        assert_eq!(two(Wrap::Repeat).sample([0.1, 0.1], [[1.0, 0.0], [0.0; 2]]), [0.5, 0.5, 0.5, 1.0]);
     }
 
     #[test]
@@ -274,7 +281,7 @@ pub(crate) mod tests {
         // A grey square of 8 x 8, baseline, code 128 throughout: all coefficients are 0.
         let texture = Texture::decode(&grey_jpeg(), [Wrap::Repeat; 2]).unwrap();
         assert_eq!(texture.levels[0].size, [8, 8]);
-        assert_eq!(texture.sample([0.5, 0.5], NEAR), linear_from_srgb8([128; 3]));
+        assert_eq!(texture.sample([0.5, 0.5], NEAR)[..3], linear_from_srgb8([128; 3]));
     }
 
     /// The smallest JPEG by hand: one component, tables of one code each.

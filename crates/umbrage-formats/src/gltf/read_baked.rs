@@ -144,6 +144,7 @@ impl PartReader<'_> {
             })?,
             color: self.all(&color, 1.0, |c: [f64; 4]| c.map(|c| c.clamp(0.0, 1.0) as f32))?,
             base_color: material.base_color,
+            cutoff: material.cutoff.filter(|_| material.texture.is_some()),
             texture: material.texture.map(|texture| texture.texture),
             uvs,
             emission: material.emission,
@@ -201,17 +202,30 @@ impl PartReader<'_> {
     fn material(&self) -> Result<Material, FormatError> {
         let white = [1.0; 4];
         let Some(index) = self.primitive.whole("material")? else {
-            return Ok(Material { name: String::new(), base_color: white, texture: None, emission: None });
+            return Ok(Material {
+                name: String::new(),
+                base_color: white,
+                texture: None,
+                cutoff: None,
+                emission: None,
+            });
         };
         let material = self.document.item(List::Materials, index, &self.place)?;
         let base = match material.child("pbrMetallicRoughness")? {
             Some(metallic) => metallic.numbers::<4>("baseColorFactor")?,
             None => None,
         };
+        let base = base.map_or(white, |base| base.map(|channel| channel.clamp(0.0, 1.0) as f32));
+        let cutoff = match material.text("alphaMode")? {
+            // The texture's alpha is multiplied with that of the base colour.
+            Some("MASK") => Some(material.number("alphaCutoff")?.unwrap_or(0.5) as f32 / base[3]),
+            _ => None,
+        };
         Ok(Material {
             name: material.name().unwrap_or_default().to_owned(),
-            base_color: base.map_or(white, |base| base.map(|channel| channel.clamp(0.0, 1.0) as f32)),
+            base_color: base,
             texture: BaseTexture::of(self.document, &material)?,
+            cutoff,
             emission: emission(&material)?,
         })
     }
@@ -222,6 +236,8 @@ struct Material {
     name: String,
     base_color: [f32; 4],
     texture: Option<BaseTexture>,
+    /// The least alpha of the texture that is shown.
+    cutoff: Option<f32>,
     emission: Option<BakedEmission>,
 }
 
