@@ -41,7 +41,7 @@ pub enum Warning {
         /// How many primitives.
         primitives: usize,
     },
-    /// Materials that are cut out by a texture (`alphaMode` MASK) or half transparent (OBJ `d`): taken as opaque.
+    /// Materials that are cut out by a texture (`alphaMode` MASK) or half transparent (OBJ `d`): they block light as a whole.
     AlphaIgnored {
         /// How many materials.
         materials: usize,
@@ -190,7 +190,7 @@ impl fmt::Display for Warning {
                 write!(f, "varying vertex colours averaged in {}", count(*primitives, "primitive"))
             }
             Self::AlphaIgnored { materials } => {
-                write!(f, "transparency ignored in {}: taken as opaque", count(*materials, "material"))
+                write!(f, "{} cut out or half transparent: light is blocked as a whole", count(*materials, "material"))
             }
             Self::SkinsAtRest { nodes } => write!(f, "{} with a skin taken in rest pose", count(*nodes, "node")),
             Self::MorphTargetsIgnored { primitives } => {

@@ -267,6 +267,11 @@ fn what_is_not_chosen_lights_and_shades_but_is_not_in_the_file() {
     let (json, file) = written(&scene, 0.05);
     assert_eq!((file.parts.len(), &file.parts[0].irradiance), (1, &whole.parts[0].irradiance));
     assert_eq!(json["nodes"][2], json!({"name": "lamp"}));
+    // And the image that is on what was left out is left out.
+    let (mut scene, _) = build.read().unwrap();
+    choose_nodes(&mut scene, &["lamp".into()], &[]).unwrap();
+    let (json, file) = written(&scene, 0.05);
+    assert!(json.get("images").is_none() && file.parts.len() == 1);
 }
 
 /// A column of `sides` sides and 1 m radius around Y, smooth, with the normals of the cylinder.

@@ -50,10 +50,7 @@ impl MeanColor {
     /// # Errors
     /// [`TextureError`] where it is neither, broken or too large.
     pub fn decode(file: &[u8], alpha: bool) -> Result<Self, TextureError> {
-        let ([width, height], codes) = decode(file)?;
-        if width * height > MOST_TEXELS {
-            return Err(TextureError::BadSize { width, height });
-        }
+        let ([width, height], codes) = decode(file, MOST_TEXELS)?;
         let linear: Vec<f64> = (0..=255u8).map(|code| linear_from_srgb(f64::from(code) / 255.0)).collect();
         let longest = width.max(height).max(1);
         let size = [width, height].map(|side| (side * MOST_CELLS.min(longest) / longest).max(1));
@@ -134,6 +131,24 @@ mod tests {
         // The mean is of light, not of codes.
         let grey = MeanColor::decode(&png_of(2, 1, png::ColorType::Grayscale, &[0, 188]), false).unwrap();
         assert!((grey.whole().color()[0] - 0.25).abs() < 0.004);
+    }
+
+    #[test]
+    fn what_is_too_large_is_refused_by_its_head() {
+        // The head of a PNG alone, of 16384 x 8192 texels.
+        let mut file = png_of(1, 1, png::ColorType::Grayscale, &[0]);
+        file[16..24].copy_from_slice(&[0, 0, 64, 0, 0, 0, 32, 0]);
+        let sum = crc32(&file[12..29]);
+        file[29..33].copy_from_slice(&sum.to_be_bytes());
+        let refused = MeanColor::decode(&file, false);
+        assert!(matches!(refused, Err(TextureError::BadSize { width: 16384, height: 8192 })), "{refused:?}");
+    }
+
+    /// The checksum of a PNG's chunk (PNG specification, annex D), bit by bit.
+    fn crc32(bytes: &[u8]) -> u32 {
+        let step = |crc: u32| if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 };
+        let byte = |crc: u32, &byte: &u8| (0..8).fold(crc ^ u32::from(byte), |crc, _| step(crc));
+        !bytes.iter().fold(u32::MAX, byte)
     }
 
     #[test]

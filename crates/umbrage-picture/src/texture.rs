@@ -62,7 +62,10 @@ pub enum TextureError {
     #[error("its JPEG cannot be decoded ({0}): save it again as a baseline or progressive JPEG")]
     Jpeg(String),
     /// It is empty or too large.
-    #[error("it has {width} x {height} texels: each side must be between 1 and {MAX_SIZE_TEXELS}")]
+    #[error(
+        "it has {width} x {height} texels: each side must be between 1 and {MAX_SIZE_TEXELS}, and to be baked there must be at \
+         most 2^26 in all"
+    )]
     BadSize {
         /// Width in texels.
         width: usize,
@@ -77,7 +80,7 @@ impl Texture {
     /// # Errors
     /// [`TextureError`] where it is neither, broken or too large.
     pub fn decode(file: &[u8], wrap: [Wrap; 2]) -> Result<Self, TextureError> {
-        let (size, codes) = decode(file)?;
+        let (size, codes) = decode(file, MAX_SIZE_TEXELS * MAX_SIZE_TEXELS)?;
         let linear: Vec<f32> = (0..=255u8).map(|code| linear_from_srgb(f64::from(code) / 255.0) as f32).collect();
         let texel = |&[r, g, b, a]: &[u8; 4]| {
             let [r, g, b] = [r, g, b].map(|c| linear[usize::from(c)]);
@@ -117,11 +120,11 @@ impl Level {
     }
 }
 
-/// Decodes a PNG or a JPEG.
-pub(crate) fn decode(file: &[u8]) -> Result<Codes, TextureError> {
+/// Decodes a PNG or a JPEG of so many texels at most: the others take no memory.
+pub(crate) fn decode(file: &[u8], most_texels: usize) -> Result<Codes, TextureError> {
     match file {
-        [0x89, b'P', b'N', b'G', ..] => decode_png(file),
-        [0xff, 0xd8, 0xff, ..] => decode_jpeg(file),
+        [0x89, b'P', b'N', b'G', ..] => decode_png(file, most_texels),
+        [0xff, 0xd8, 0xff, ..] => decode_jpeg(file, most_texels),
         _ => Err(TextureError::UnknownFormat),
     }
 }
@@ -183,16 +186,20 @@ fn mean(below: &Level, size: [usize; 2], at: [usize; 2]) -> Texel {
 /// Size, and sRGB codes with alpha.
 pub(crate) type Codes = ([usize; 2], Vec<[u8; 4]>);
 
-fn checked(width: usize, height: usize) -> Result<[usize; 2], TextureError> {
+fn checked(width: usize, height: usize, most_texels: usize) -> Result<[usize; 2], TextureError> {
     let fits = |side: usize| (1..=MAX_SIZE_TEXELS).contains(&side);
-    if fits(width) && fits(height) { Ok([width, height]) } else { Err(TextureError::BadSize { width, height }) }
+    if fits(width) && fits(height) && width * height <= most_texels {
+        Ok([width, height])
+    } else {
+        Err(TextureError::BadSize { width, height })
+    }
 }
 
-fn decode_png(file: &[u8]) -> Result<Codes, TextureError> {
+fn decode_png(file: &[u8], most_texels: usize) -> Result<Codes, TextureError> {
     let mut decoder = png::Decoder::new(Cursor::new(file));
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info()?;
-    let size = checked(reader.info().width as usize, reader.info().height as usize)?;
+    let size = checked(reader.info().width as usize, reader.info().height as usize, most_texels)?;
     let too_large = || TextureError::BadSize { width: size[0], height: size[1] };
     let mut bytes = vec![0; reader.output_buffer_size().ok_or_else(too_large)?];
     let frame = reader.next_frame(&mut bytes)?;
@@ -207,16 +214,17 @@ fn decode_png(file: &[u8]) -> Result<Codes, TextureError> {
     Ok((size, codes.collect()))
 }
 
-fn decode_jpeg(file: &[u8]) -> Result<Codes, TextureError> {
+fn decode_jpeg(file: &[u8], most_texels: usize) -> Result<Codes, TextureError> {
     let options = DecoderOptions::default()
         .jpeg_set_out_colorspace(ColorSpace::RGB)
         .set_max_width(MAX_SIZE_TEXELS)
         .set_max_height(MAX_SIZE_TEXELS);
     let mut decoder = JpegDecoder::new_with_options(Cursor::new(file), options);
     let broken = |what: &str| TextureError::Jpeg(what.to_owned());
-    let bytes = decoder.decode().map_err(|error| TextureError::Jpeg(error.to_string()))?;
+    decoder.decode_headers().map_err(|error| TextureError::Jpeg(error.to_string()))?;
     let (width, height) = decoder.dimensions().ok_or_else(|| broken("it has no size"))?;
-    let size = checked(width, height)?;
+    let size = checked(width, height, most_texels)?;
+    let bytes = decoder.decode().map_err(|error| TextureError::Jpeg(error.to_string()))?;
     let codes: Vec<[u8; 4]> = bytes.chunks_exact(3).map(|texel| [texel[0], texel[1], texel[2], u8::MAX]).collect();
     if codes.len() == width * height { Ok((size, codes)) } else { Err(broken("it is cut off")) }
 }

@@ -13,6 +13,7 @@
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
+use umbrage::id::{MaterialId, Table};
 use umbrage::scene::{Material, Rgb, Scene};
 use umbrage::shade::{BakedMesh, BakedPart};
 
@@ -94,7 +95,7 @@ fn encode(scene: &Scene, baked: &BakedMesh, facts: &BakeFacts, file: &str) -> Re
     let base_colours = exposure::base_colours(scene, baked, k);
 
     let mut buffer = WriteBuffer::default();
-    let materials = Materials::new(scene, &base_colours, &mut buffer);
+    let materials = Materials::new(scene, &base_colours, &shown_materials(scene, baked), &mut buffer);
     let mut primitives: Vec<Vec<Value>> = vec![Vec::new(); scene.nodes.len()];
     let (mut vertices, mut clipped_vertices) = (0, 0);
     for part in baked.parts.iter().filter(|part| !part.triangles.is_empty()) {
@@ -148,6 +149,15 @@ fn encode(scene: &Scene, baked: &BakedMesh, facts: &BakeFacts, file: &str) -> Re
     let triangles = baked.triangle_count();
     let written = Written { bytes: bytes.len() as u64, exposure_k: k, triangles, vertices, clipped_vertices };
     Ok((bytes, written))
+}
+
+/// Which materials some primitive has.
+fn shown_materials(scene: &Scene, baked: &BakedMesh) -> Table<MaterialId, bool> {
+    let mut shown: Table<MaterialId, bool> = scene.materials.iter().map(|_| false).collect();
+    let parts = baked.parts.iter().filter(|part| !part.triangles.is_empty());
+    let surfaces = parts.map(|part| &scene.surfaces[part.surface]).chain(&scene.see_through);
+    surfaces.for_each(|surface| shown[surface.material] = true);
+    shown
 }
 
 /// What [`BakedMesh`] promises and a sound file needs.

@@ -25,12 +25,18 @@ pub(super) struct Materials {
 }
 
 impl Materials {
-    /// The materials of a scene with their base colours; images are added to the buffer.
-    pub(super) fn new(scene: &Scene, base_colours: &Table<MaterialId, Rgb>, buffer: &mut WriteBuffer) -> Self {
+    /// The materials of a scene with their base colours; the images on those that are `shown` are added to the buffer.
+    pub(super) fn new(
+        scene: &Scene,
+        base_colours: &Table<MaterialId, Rgb>,
+        shown: &Table<MaterialId, bool>,
+        buffer: &mut WriteBuffer,
+    ) -> Self {
         let mut all = Self::default();
         let mut known: BTreeMap<String, usize> = BTreeMap::new();
-        for (material, &base) in scene.materials.iter().zip(base_colours) {
-            let texture = material.look.texture.map(|texture| all.texture(&texture, &scene.images, buffer));
+        for ((id, material), &base) in scene.materials.iter_enumerated().zip(base_colours) {
+            let texture = material.look.texture.filter(|_| shown[id]);
+            let texture = texture.map(|texture| all.texture(&texture, &scene.images, buffer));
             let value = unlit(material, base, texture);
             let next = all.materials.len();
             let number = *known.entry(value.to_string()).or_insert(next);

@@ -40,5 +40,5 @@ pub use error::PrepareError;
 pub use face::{DirectedEdge, Edge, Face, Facing, PrepareReport, Prepared, PreparedError, Side};
 pub use shell::{Shells, shells};
 pub use skin::Skin;
-pub(crate) use skin::{are_same_normals, bends_smoothly};
+pub(crate) use skin::is_smooth_at;
 pub use stages::{PrepareSettings, prepare, prepare_with};

@@ -25,8 +25,12 @@ use crate::scene::{Scene, Surface};
 /// Texture coordinates that differ by less are the same: 0.4 texels of an image 4096 wide, more than the rounding of
 /// coordinates that files keep in 16 bits.
 const SAME_UV: f64 = 1e-4;
-/// Normals that differ by less, in radians, are the same: files keep them in 8 bits.
-const SAME_NORMAL_RAD: f64 = 0.02;
+/// A function of the position that gives a normal within this, in radians, gives it: nothing is seen of that, and plane facets
+/// of curved surfaces are merged more often.
+const SAME_NORMAL_RAD: f64 = 0.05;
+/// At a smooth edge, the normals of its two faces differ by less than this share of the bend. In a flat surface they differ by
+/// all of it, in a smooth one by nothing but rounding.
+const SMOOTH_OF_BEND: f64 = 0.5;
 /// An edge that bends by more is a crease, whatever the normals say: the cosine of 61 degrees, so that a column of six sides
 /// may be round.
 const LEAST_SMOOTH_COSINE: f64 = 0.485;
@@ -236,21 +240,21 @@ impl Neighbours {
             planes.of_polygon[p].0 != planes.of_polygon[q].0
                 && !corners[p].normals.is_empty()
                 && !corners[q].normals.is_empty()
-                && bends_smoothly(front(p), front(q))
-                && here.iter().zip(there).all(|(&i, j)| are_same_normals(corners[p].normals[i], corners[q].normals[j]))
+                && here
+                    .iter()
+                    .zip(there)
+                    .all(|(&i, j)| is_smooth_at([front(p), front(q)], [corners[p].normals[i], corners[q].normals[j]]))
         };
         (0..corners.len()).map(|p| self.of_polygon[p].iter().any(|neighbour| is_smooth(p, neighbour))).collect()
     }
 }
 
-/// Whether an edge between two faces with these normals may be smooth.
-pub(crate) fn bends_smoothly(one: DVec3, other: DVec3) -> bool {
+/// Whether the edge between two faces is smooth at a point, where their corners have these normals.
+pub(crate) fn is_smooth_at(fronts: [DVec3; 2], normals: [DVec3; 2]) -> bool {
+    let [one, other] = fronts;
     one.dot(other) >= LEAST_SMOOTH_COSINE
-}
-
-/// Whether two normals are there, and the same but for rounding.
-pub(crate) fn are_same_normals(one: DVec3, other: DVec3) -> bool {
-    one != DVec3::ZERO && one.distance(other) <= SAME_NORMAL_RAD
+        && !normals.contains(&DVec3::ZERO)
+        && normals[0].distance(normals[1]) <= SMOOTH_OF_BEND * one.distance(other)
 }
 
 #[cfg(test)]
@@ -277,6 +281,18 @@ mod tests {
         let mut bent = corners;
         bent.uvs[3].x += 0.01;
         assert!(!Skin::of(&bent, true).fits(&bent), "four corners that no affine function fits");
+    }
+
+    #[test]
+    fn an_edge_is_smooth_where_its_faces_agree_on_the_normal() {
+        let normal = |angle: f64| DVec3::new(angle.sin(), 0.0, angle.cos());
+        let fronts = |bend: f64| [normal(0.0), normal(bend)];
+        for bend in [0.008, 0.3, 1.0] {
+            assert!(is_smooth_at(fronts(bend), [normal(0.5 * bend); 2]), "smooth: {bend}");
+            assert!(!is_smooth_at(fronts(bend), fronts(bend)), "flat: {bend}");
+        }
+        assert!(!is_smooth_at(fronts(1.2), [normal(0.6); 2]), "a crease, whatever the normals say");
+        assert!(!is_smooth_at(fronts(0.3), [DVec3::ZERO; 2]), "no normals at all");
     }
 
     #[test]

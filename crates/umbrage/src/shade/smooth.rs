@@ -6,7 +6,7 @@
 //! coordinates (Floater 2003; Hormann and Floater 2006) of what its boundary moved by, so that the detail stays and no
 //! seam is seen.
 //!
-//! An edge is smooth where two faces have the same normals of their corners along it, and bend by little. Across a contact
+//! An edge is smooth where two faces agree on the normals along it, and bend by little. Across a contact
 //! (D0) nothing is averaged: its two sides never share a value.
 
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ use super::corner_group::{CornerGroup, DisjointSets, Triangle, angle_rad};
 use crate::discontinuity::is_contact;
 use crate::id::{EdgeId, FaceId, Table, VertexId};
 use crate::mesh::Mesh;
-use crate::prepare::{Prepared, are_same_normals, bends_smoothly};
+use crate::prepare::{Prepared, is_smooth_at};
 use crate::scene::Rgb;
 
 /// A point sees the two ends of an edge of its polygon under half a turn, and so lies on it, if the sine of the angle is
@@ -119,12 +119,11 @@ fn is_smooth(prepared: &Prepared, mesh: &Mesh, edge: EdgeId, faces: [FaceId; 2])
     let [one, other] = faces;
     one != other
         && prepared.faces[one].plane != prepared.faces[other].plane
-        && bends_smoothly(prepared.normal(one), prepared.normal(other))
         && !mesh.is_jump(root)
         && !faces.iter().any(|&face| is_contact(prepared, root, face))
         && mesh.edges().ends(edge).iter().all(|&end| {
             let at_m = mesh.vertex_m(end);
-            are_same_normals(prepared.smooth_normal(one, at_m), prepared.smooth_normal(other, at_m))
+            is_smooth_at(faces.map(|face| prepared.normal(face)), faces.map(|face| prepared.smooth_normal(face, at_m)))
         })
 }
 
