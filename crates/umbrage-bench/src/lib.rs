@@ -27,7 +27,7 @@ impl Random {
 }
 
 fn surface(scene: &mut Scene, material: MaterialId) -> usize {
-    scene.surfaces.push(Surface { node: NodeId::from(0), material, positions_m: Vec::new(), polygons: Vec::new() });
+    scene.surfaces.push(Surface::new(NodeId::from(0), material));
     scene.surfaces.len() - 1
 }
 

@@ -8,7 +8,7 @@ use clap::Args;
 use umbrage::bake::{self, Bake, BakeSettings};
 use umbrage::progress::Progress;
 use umbrage::scene::Scene;
-use umbrage_formats::{Written, write_baked_glb};
+use umbrage_formats::{Written, choose_nodes, write_baked_glb};
 
 use crate::light::Fluxes;
 use crate::method::{MethodArgs, facts, positive, share};
@@ -23,6 +23,7 @@ Examples:
   umbrage bake room.glb -o fine.glb --tolerance 0.003
   umbrage bake room.glb -o small.glb --max-triangles 5000
   umbrage bake room.glb -o brighter.glb --exposure 2.5
+  umbrage bake room.glb -o room-only.glb --skip car
   umbrage bake house.obj -o house.glb --unit mm --emit lamp=12,11,9
 
 A scene needs at least one material that gives light (glTF: emissiveFactor, in Blender: Emission; OBJ: Ke; MGF: ed). Where \
@@ -51,6 +52,13 @@ pub(crate) struct BakeArgs {
     /// Take no surface to reflect more than this share of the light: a white closed room has no solution
     #[arg(long, value_name = "R", value_parser = share, default_value_t = 0.9)]
     max_reflectance: f64,
+    /// Bake only this node, by its name or its mesh's, with all below it; may be repeated. All others block, reflect and give light,
+    /// but are not in the baked file: their nodes are there, empty
+    #[arg(long, value_name = "NODE")]
+    only: Vec<String>,
+    /// Do not bake this node, nor what is below it; may be repeated
+    #[arg(long, value_name = "NODE")]
+    skip: Vec<String>,
     #[command(flatten)]
     reading: SceneArgs,
     #[command(flatten)]
@@ -60,7 +68,8 @@ pub(crate) struct BakeArgs {
 pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     interrupt::listen()?;
     let begin = Instant::now();
-    let scene = args.reading.read(&args.scene, args.max_reflectance)?;
+    let mut scene = args.reading.read(&args.scene, args.max_reflectance)?;
+    choose_nodes(&mut scene, &args.only, &args.skip)?;
     let settings = args.method.settings();
     let bake =
         bake_scene(&scene, &settings, output).with_context(|| format!("cannot bake {}", args.scene.display()))?;

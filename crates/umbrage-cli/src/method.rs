@@ -35,6 +35,10 @@ pub struct MethodArgs {
     /// along these lines
     #[arg(long)]
     no_intersect: bool,
+    /// Show every face flat, also those that stand for a curved surface by the normals of their corners: the irradiance is then
+    /// that of the facets
+    #[arg(long)]
+    flat_shading: bool,
     /// Do not put point split-hints into badly shaped patches: for comparison only
     #[arg(long)]
     keep_bad_shapes: bool,
@@ -50,7 +54,10 @@ impl MethodArgs {
             min_area_m2: self.min_area.or(default.min_area_m2),
             score: self.score,
             mend_bad_shapes: !self.keep_bad_shapes,
-            prepare: PrepareSettings { cut_contacts: !(self.no_intersect || self.no_discontinuities) },
+            prepare: PrepareSettings {
+                cut_contacts: !(self.no_intersect || self.no_discontinuities),
+                smooth: !self.flat_shading,
+            },
             discontinuities: !self.no_discontinuities,
             shade: ShadeSettings { tolerance: self.tolerance, max_triangles },
             ..default
@@ -141,7 +148,7 @@ mod tests {
             (Some(0.5), Some(2.0), SplitScore::Eq1)
         );
         assert!(!settings.discontinuities && !settings.prepare.cut_contacts && !settings.mend_bad_shapes);
-        let settings = Command::parse_from(["bake", "--no-intersect"]).method.settings();
-        assert!(settings.discontinuities && !settings.prepare.cut_contacts);
+        let settings = Command::parse_from(["bake", "--no-intersect", "--flat-shading"]).method.settings();
+        assert!(settings.discontinuities && !settings.prepare.cut_contacts && !settings.prepare.smooth);
     }
 }

@@ -95,6 +95,7 @@ impl Shown {
             },
             uvs: part.uvs.clone(),
             texture: texture.filter(|_| colors == Colors::Seen).cloned(),
+            mask: texture.cloned().zip(part.cutoff),
             triangles: part.triangles.clone(),
         }
     }

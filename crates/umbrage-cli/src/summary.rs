@@ -117,6 +117,8 @@ pub(crate) fn rgb(color: Rgb) -> String {
 
 /// A number with four digits that count.
 pub(crate) fn rounded(x: f64) -> String {
+    // The sum of nothing is -0.
+    let x = x + 0.0;
     let decimals = if x == 0.0 || !x.is_finite() { 0 } else { (3 - x.abs().log10().floor() as i32).clamp(0, 9) };
     let text = format!("{x:.*}", decimals as usize);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
@@ -129,7 +131,7 @@ mod tests {
     #[test]
     fn numbers_are_short() {
         assert_eq!(
-            [0.0, 0.5, 123_456.0, 1.234_56, -0.000_123_45].map(rounded),
+            [-0.0, 0.5, 123_456.0, 1.234_56, -0.000_123_45].map(rounded),
             ["0", "0.5", "123456", "1.235", "-0.0001234"]
         );
     }

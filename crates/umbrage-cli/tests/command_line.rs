@@ -256,6 +256,9 @@ fn materials_and_units_are_said_beside_the_file() {
     assert_eq!(code(&refused), Some(1));
     assert!(err(&refused).contains("perhaps \"lamp\" is meant"), "{}", err(&refused));
     assert_eq!(code(&umbrage(&["bake", &scene, "-o", &baked, "--emit", "lamp"])), Some(2));
+    let refused = umbrage(&["bake", &scene, "-o", &baked, "--emit", "lamp=1", "--skip", "rom"]);
+    assert_eq!(code(&refused), Some(1));
+    assert!(err(&refused).contains("no node \"rom\", perhaps \"room\" is meant"), "{}", err(&refused));
     assert!(!Path::new(&baked).exists());
 
     fs::write(

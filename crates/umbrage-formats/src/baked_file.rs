@@ -10,17 +10,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use serde_json::{Map, Value};
-
-/// What a texture does beyond its border.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TextureWrap {
-    /// Begins anew.
-    Repeat,
-    /// Begins anew, every other time turned over.
-    Mirror,
-    /// Goes on with its last texel.
-    Clamp,
-}
+use umbrage::scene::Wrap;
 
 /// An image on the surface of a part: it multiplies the base colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +18,7 @@ pub struct BakedTexture {
     /// Its number among the file's images.
     pub image: usize,
     /// What it does beyond its border, along u and along v.
-    pub wrap: [TextureWrap; 2],
+    pub wrap: [Wrap; 2],
 }
 
 /// What the material of an emitter was before the bake, which its clipped colours do not tell.
@@ -75,6 +65,8 @@ pub struct BakedFilePart {
     pub base_color: [f32; 4],
     /// Its base colour texture.
     pub texture: Option<BakedTexture>,
+    /// Where the alpha of the texture is less, nothing is shown (`alphaMode` MASK); `None` shows all.
+    pub cutoff: Option<f32>,
     /// Where each vertex lies in the texture, (0, 0) being its upper left corner; empty without texture.
     pub uvs: Vec<[f32; 2]>,
     /// What its material emitted; `None` if it only reflects.

@@ -5,10 +5,11 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec3;
-use umbrage::id::{MaterialId, NodeId, SurfaceId};
-use umbrage::scene::{Material, Node, Rgb, Scene, Surface};
+use glam::{DVec2, DVec3};
+use umbrage::id::{ImageId, MaterialId, NodeId, SurfaceId};
+use umbrage::scene::{Image, Material, Node, Rgb, Scene, Surface};
 
+use crate::warning::Unknown;
 use crate::{FormatError, ReadOptions, Warning};
 
 /// Reflectance of what has no material, or one that does not say: the grey of an average room.
@@ -88,7 +89,7 @@ impl SceneBuilder {
     ) -> Result<NodeId, FormatError> {
         self.budget.spend(OBJECT_COST + name.len() as u64 / 8, file, place)?;
         let name = Some(name.to_owned());
-        Ok(self.scene.nodes.push_and_get_key(Node { name: name.clone(), parent, mesh_name: name }))
+        Ok(self.scene.nodes.push_and_get_key(Node { name: name.clone(), parent, mesh_name: name, ..Node::default() }))
     }
 
     /// Adds a material, its reflectance capped.
@@ -99,6 +100,23 @@ impl SceneBuilder {
         self.scene.materials.push_and_get_key(Material { reflectance, ..material })
     }
 
+    /// Says what a material reflects, once it is known; capped.
+    pub(crate) fn set_reflectance(&mut self, material: MaterialId, reflectance: Rgb) {
+        let cap = Rgb::splat(self.max_reflectance);
+        self.capped_materials += usize::from(reflectance.cmpgt(cap).any());
+        self.scene.materials[material].reflectance = reflectance.min(cap);
+    }
+
+    /// Adds an image.
+    pub(crate) fn image(&mut self, image: Image) -> ImageId {
+        self.scene.images.push_and_get_key(image)
+    }
+
+    /// All surfaces so far, to be completed.
+    pub(crate) fn surfaces_mut(&mut self) -> impl Iterator<Item = (SurfaceId, &mut Surface)> {
+        self.scene.surfaces.iter_mut_enumerated()
+    }
+
     /// Adds the grey that stands for a missing material.
     pub(crate) fn grey(&mut self, name: &str) -> MaterialId {
         self.material(Material::diffuse(name, Rgb::splat(DEFAULT_REFLECTANCE)))
@@ -107,9 +125,10 @@ impl SceneBuilder {
     /// The surface of a material under a node.
     pub(crate) fn surface(&mut self, node: NodeId, material: MaterialId) -> SurfaceId {
         let surfaces = &mut self.scene.surfaces;
-        *self.surfaces.entry((node, material)).or_insert_with(|| {
-            surfaces.push_and_get_key(Surface { node, material, positions_m: Vec::new(), polygons: Vec::new() })
-        })
+        *self
+            .surfaces
+            .entry((node, material))
+            .or_insert_with(|| surfaces.push_and_get_key(Surface::new(node, material)))
     }
 
     /// Adds a position to a surface; its number there.
@@ -118,6 +137,13 @@ impl SceneBuilder {
         positions.push(position_m);
         // The budget is spent long before: positions are of corners, and 2^32 corners take 256 MiB of input.
         u32::try_from(positions.len() - 1).unwrap_or(u32::MAX)
+    }
+
+    /// Says the normal (zero for none) and the place in its image, if there is one, of the position that was added last.
+    pub(crate) fn corner(&mut self, surface: SurfaceId, normal: DVec3, uv: Option<DVec2>) {
+        let surface = &mut self.scene.surfaces[surface];
+        surface.normals.push(normal);
+        surface.uvs.extend(uv);
     }
 
     /// Adds a polygon to a surface.
@@ -132,6 +158,28 @@ impl SceneBuilder {
             max_reflectance: self.max_reflectance,
         });
         (self.scene, capped)
+    }
+
+    /// The scene of a format that has no materials, and all warnings.
+    pub(crate) fn finish_without_materials(
+        self,
+        too_few_corners: usize,
+        coloured_vertices: usize,
+        unknown: Unknown,
+    ) -> (Scene, Vec<Warning>) {
+        let (scene, capped) = self.finish();
+        let mut warnings = Vec::new();
+        let mut warn = |count: usize, warning: fn(usize) -> Warning| {
+            if count > 0 {
+                warnings.push(warning(count));
+            }
+        };
+        warn(too_few_corners, |polygons| Warning::TooFewCorners { polygons });
+        warn(coloured_vertices, |vertices| Warning::ColouredVertices { vertices });
+        warn(scene.polygon_count(), |polygons| Warning::WithoutMaterial { polygons });
+        warnings.extend(capped);
+        warnings.extend(unknown.warning());
+        (scene, warnings)
     }
 }
 

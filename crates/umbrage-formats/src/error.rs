@@ -172,6 +172,24 @@ pub enum FormatError {
         /// The names that there are.
         known: String,
     },
+    /// A node is named that the scene has not.
+    #[error("{file}: there is no node {name:?}{like}: the scene has {known}")]
+    UnknownNode {
+        /// Who names it.
+        file: String,
+        /// The name.
+        name: String,
+        /// The most similar name, as part of the message; empty if none is.
+        like: String,
+        /// The names that there are.
+        known: String,
+    },
+    /// No node with polygons is left to be baked.
+    #[error("{file}: leave no polygon to be baked: name fewer nodes to skip, or others to bake")]
+    NothingChosen {
+        /// Who chose.
+        file: String,
+    },
     /// The nodes are no forest of moderate depth.
     #[error("{file}: {place}: {what}: repair the hierarchy of the scene and export again")]
     BadHierarchy {

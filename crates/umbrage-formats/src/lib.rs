@@ -2,6 +2,7 @@
 //!
 //! - [`read_scene`] reads a scene (glTF, OBJ, MGF, PLY, STL) and says in typed [`Warning`]s what it did not take over;
 //! - [`Overrides`] say of a scene's materials what the file does not: which of them give light;
+//! - [`choose_nodes`] says which of its nodes are baked, while the others only take part in the light;
 //! - [`write_baked_glb`] writes a baked mesh as one ordinary GLB, all or nothing;
 //! - [`read_baked`] reads a baked file back, for pictures and measurements.
 //!
@@ -12,6 +13,7 @@ mod atomic;
 mod baked_file;
 mod beside;
 mod builder;
+mod choice;
 mod error;
 mod gltf;
 mod mgf;
@@ -19,16 +21,20 @@ mod obj;
 mod overrides;
 mod ply;
 mod read;
+mod similar;
 mod stl;
 mod text;
+mod texture_mean;
 mod warning;
 
 pub use atomic::write_atomically;
-pub use baked_file::{BakedCamera, BakedEmission, BakedFile, BakedFilePart, BakedTexture, TextureWrap};
+pub use baked_file::{BakedCamera, BakedEmission, BakedFile, BakedFilePart, BakedTexture};
+pub use choice::choose_nodes;
 pub use error::FormatError;
 pub use gltf::{BakeFacts, Written, baked_glb_bytes, write_baked_glb};
 pub use overrides::{MaterialColour, Overrides};
 pub use read::{
     LampUnits, ReadOptions, UpAxis, read_baked, read_baked_bytes, read_scene, read_scene_bytes, read_scene_with,
 };
+pub use umbrage::scene::Wrap as TextureWrap;
 pub use warning::Warning;

@@ -18,16 +18,11 @@ use std::str::FromStr;
 use toml::{Table, Value};
 use umbrage::scene::{Rgb, Scene};
 
+use crate::similar::{listed, most_similar};
 use crate::{FormatError, Warning};
 
 /// What a message calls the options of a command.
 const OPTIONS: &str = "the options";
-
-/// Names of materials that a message lists.
-const LISTED_NAMES: usize = 40;
-
-/// Names that differ by more than this are not suggested: 0 is nothing in common, 1 is equal.
-const LEAST_SIMILARITY: f64 = 0.4;
 
 /// A material's name and a colour, as `MATERIAL=r,g,b` or `MATERIAL=grey`.
 #[derive(Clone, Debug, PartialEq)]
@@ -253,23 +248,12 @@ fn unknown_material(scene: &Scene, change: &Override) -> FormatError {
     }
     let like = most_similar(&change.material, names.iter().copied());
     let like = like.map_or(String::new(), |like| format!(", perhaps {like:?} is meant"));
-    let more = names.len().saturating_sub(LISTED_NAMES);
-    let listed: Vec<String> = names.iter().take(LISTED_NAMES).map(|name| format!("{name:?}")).collect();
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     FormatError::UnknownMaterial {
         file: change.from.clone(),
         name: change.material.clone(),
         like,
-        known: if listed.is_empty() { "none".into() } else { format!("{}{more}", listed.join(", ")) },
+        known: listed(&names),
     }
-}
-
-/// The most similar of some names, if one is similar at all; capitals do not count.
-fn most_similar<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let name = name.to_lowercase();
-    let likeness = |other: &str| strsim::normalized_damerau_levenshtein(&name, &other.to_lowercase());
-    let scored = names.map(|other| (likeness(other), other));
-    scored.filter(|(score, _)| *score >= LEAST_SIMILARITY).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, other)| other)
 }
 
 #[cfg(test)]

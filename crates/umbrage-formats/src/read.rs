@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DAffine3, DMat3, DVec3};
 use umbrage::scene::Scene;
 
 use crate::{BakedFile, FormatError, Warning, gltf, mgf, obj, ply, stl};
@@ -145,7 +145,14 @@ fn to_metres(path: &Path, scene: &mut Scene, options: &ReadOptions) -> Result<()
     for lamp in &mut scene.lamps {
         *lamp = lamp.clone().moved(|p| options.unit_m * upright(p), upright, options.unit_m);
     }
-    for surface in &mut scene.surfaces {
+    let axes = DMat3::from_cols(upright(DVec3::X), upright(DVec3::Y), upright(DVec3::Z));
+    for camera in &mut scene.cameras {
+        let DAffine3 { matrix3, translation } = camera.to_world;
+        camera.to_world = DAffine3 { matrix3: axes * matrix3, translation: options.unit_m * upright(translation) };
+        camera.lens = camera.lens.scaled(options.unit_m);
+    }
+    for surface in scene.surfaces.iter_mut().chain(&mut scene.see_through) {
+        surface.normals.iter_mut().for_each(|normal| *normal = upright(*normal));
         for p in &mut surface.positions_m {
             *p = options.unit_m * upright(*p);
             if !p.is_finite() {

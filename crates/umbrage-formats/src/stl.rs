@@ -75,18 +75,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(
             return Err(FormatError::BeyondEnd { file, place, end: length + 1, length });
         }
     }
-    let (scene, capped) = builder.finish();
-    let mut warnings: Vec<Warning> = Vec::new();
-    if too_few_corners > 0 {
-        warnings.push(Warning::TooFewCorners { polygons: too_few_corners });
-    }
-    let polygons = scene.polygon_count();
-    if polygons > 0 {
-        warnings.push(Warning::WithoutMaterial { polygons });
-    }
-    warnings.extend(capped);
-    warnings.extend(unknown.warning());
-    Ok((scene, warnings))
+    Ok(builder.finish_without_materials(too_few_corners, 0, unknown))
 }
 
 /// The count in the header of a binary file.

@@ -29,17 +29,19 @@ pub enum Warning {
         /// The cap.
         max_reflectance: f64,
     },
-    /// Textures that are not used yet: the plain factors were taken.
+    /// Textures that cannot be used: the plain colours were taken.
     TexturesIgnored {
-        /// How many uses of a texture in materials.
+        /// How many uses of a texture.
         uses: usize,
+        /// What is wrong with the first.
+        first: String,
     },
     /// Vertex colours that vary over a primitive: their average was taken.
     VertexColoursAveraged {
         /// How many primitives.
         primitives: usize,
     },
-    /// Materials that are cut out by a texture (`alphaMode` MASK) or half transparent (OBJ `d`): taken as opaque.
+    /// Materials that are cut out by a texture (`alphaMode` MASK) or half transparent (OBJ `d`): they block light as a whole.
     AlphaIgnored {
         /// How many materials.
         materials: usize,
@@ -60,6 +62,11 @@ pub enum Warning {
         /// How many lamps.
         lamps: usize,
     },
+    /// Cameras that are broken or see nothing: left out.
+    CamerasLeftOut {
+        /// How many cameras.
+        cameras: usize,
+    },
     /// Animations: the scene was taken as the nodes stand.
     AnimationsIgnored {
         /// How many animations.
@@ -70,7 +77,12 @@ pub enum Warning {
         /// How many nodes.
         nodes: usize,
     },
-    /// Polygons of materials that are fully transparent or blended (`alphaMode` BLEND), which block nothing: left out.
+    /// Polygons of materials that are blended (`alphaMode` BLEND): light passes through them, and they are passed on.
+    BlendedPassedOn {
+        /// How many polygons.
+        polygons: usize,
+    },
+    /// Polygons of materials that are fully transparent, which block nothing: left out.
     TransparentLeftOut {
         /// How many polygons.
         polygons: usize,
@@ -171,14 +183,14 @@ impl fmt::Display for Warning {
             Self::ReflectanceCapped { materials, max_reflectance } => {
                 write!(f, "reflectance capped at {max_reflectance} in {}", count(*materials, "material"))
             }
-            Self::TexturesIgnored { uses } => {
-                write!(f, "{} not used yet: the plain factors were taken", count(*uses, "texture"))
+            Self::TexturesIgnored { uses, first } => {
+                write!(f, "{} not used, the plain colours were taken: {first}", count(*uses, "texture"))
             }
             Self::VertexColoursAveraged { primitives } => {
                 write!(f, "varying vertex colours averaged in {}", count(*primitives, "primitive"))
             }
             Self::AlphaIgnored { materials } => {
-                write!(f, "transparency ignored in {}: taken as opaque", count(*materials, "material"))
+                write!(f, "{} cut out or half transparent: light is blocked as a whole", count(*materials, "material"))
             }
             Self::SkinsAtRest { nodes } => write!(f, "{} with a skin taken in rest pose", count(*nodes, "node")),
             Self::MorphTargetsIgnored { primitives } => {
@@ -189,6 +201,14 @@ impl fmt::Display for Warning {
                 "{} perhaps 683 times too bright beside the surfaces that emit: Blender multiplies lamps alone by 683 lm/W; \
                  --lamp-units lumens takes that off",
                 count(*lamps, "lamp")
+            ),
+            Self::CamerasLeftOut { cameras } => {
+                write!(f, "{} left out: broken, or without size", count(*cameras, "camera"))
+            }
+            Self::BlendedPassedOn { polygons } => write!(
+                f,
+                "light passes through {} with alphaMode BLEND; they are shown in mean light",
+                count(*polygons, "polygon")
             ),
             Self::AnimationsIgnored { animations } => {
                 write!(f, "{} ignored: nodes taken as they stand", count(*animations, "animation"))
@@ -298,7 +318,8 @@ mod tests {
     #[test]
     fn a_message_counts() {
         assert_eq!(Warning::SkinsAtRest { nodes: 1 }.to_string(), "1 node with a skin taken in rest pose");
-        assert!(Warning::TexturesIgnored { uses: 3 }.to_string().starts_with("3 textures not used"));
+        let textures = Warning::TexturesIgnored { uses: 3, first: "image 2: broken".into() }.to_string();
+        assert!(textures.starts_with("3 textures not used") && textures.ends_with("image 2: broken"), "{textures}");
         assert!(Warning::ColouredVertices { vertices: 2 }.to_string().contains("2 vertices"));
     }
 }

@@ -5,32 +5,17 @@ mod common;
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
+use common::made_up_bake;
 use glam::DVec3;
 use serde_json::{Value, json};
 use umbrage::scene::cornell::cornell_box;
 use umbrage::scene::{Rgb, Scene};
-use umbrage::shade::{BakedMesh, BakedPart};
+use umbrage::shade::BakedMesh;
 use umbrage_formats::{BakeFacts, BakedFile, FormatError, TextureWrap, baked_glb_bytes, read_baked_bytes};
 
 /// The box's own polygons as triangles, under an irradiance that grows with height.
 fn bake(scene: &Scene) -> BakedMesh {
-    let parts = scene.surfaces.iter_enumerated().map(|(surface, s)| {
-        let mut part =
-            BakedPart { surface, positions_m: vec![], normals: vec![], irradiance: vec![], triangles: vec![] };
-        for polygon in 0..s.polygons.len() {
-            let corners: Vec<DVec3> = scene.corners_m(surface, polygon).collect();
-            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
-            let first = part.positions_m.len() as u32;
-            for corner in &corners {
-                part.positions_m.push(corner.as_vec3().into());
-                part.normals.push(normal.as_vec3().into());
-                part.irradiance.push([0.5 + 3.0 * corner.y as f32, 0.5, 0.25]);
-            }
-            part.triangles.extend((1..corners.len() as u32 - 1).map(|i| [first, first + i, first + i + 1]));
-        }
-        part
-    });
-    BakedMesh { origin_m: DVec3::ZERO, parts: parts.collect() }
+    made_up_bake(scene, DVec3::ZERO, |corner| [0.5 + 3.0 * corner.y as f32, 0.5, 0.25])
 }
 
 /// A baked file whose JSON was altered, and to whose buffer `more` was added.

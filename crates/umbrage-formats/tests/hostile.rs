@@ -30,6 +30,36 @@ fn rich() -> Build {
     build
 }
 
+/// A small file with all that passes by the bake: an image, its places, normals, a camera, glass, notes.
+fn kept() -> Build {
+    let mut build = rich();
+    let mut image = Vec::new();
+    let mut encoder = png::Encoder::new(&mut image, 2, 2);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.write_header().unwrap().write_image_data(&[9; 16]).unwrap();
+    let image = build.view(&image);
+    let places: Vec<u8> = [0.0_f32, 0.0, 1.0, 0.0, 0.0, 1.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let places = build.view(&places);
+    let places = build.accessor(json!({"bufferView": places, "componentType": 5126, "count": 3, "type": "VEC2"}));
+    let normal = build.floats(&[[0.0, 0.0, 1.0], [0.0, 0.6, 0.8], [0.0, 0.0, 2.0]]);
+    let slot = json!({"index": 0, "extensions": {"KHR_texture_transform": {"scale": [2, 2], "rotation": 1}}});
+    build.json["images"] = json!([{"bufferView": image, "mimeType": "image/png", "name": "wood"}]);
+    build.json["samplers"] = json!([{"wrapS": 33071, "magFilter": 9728}]);
+    build.json["textures"] = json!([{"source": 0, "sampler": 0}]);
+    build.json["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]);
+    build.json["nodes"][1]["camera"] = json!(0);
+    build.json["materials"].as_array_mut().unwrap().extend([
+        json!({"pbrMetallicRoughness": {"baseColorTexture": slot}, "alphaMode": "MASK", "extras": {"a": 1}}),
+        json!({"pbrMetallicRoughness": {"baseColorTexture": slot}, "alphaMode": "BLEND"}),
+        json!({"emissiveTexture": slot, "emissiveFactor": [1, 1, 1]}),
+    ]);
+    for material in 1..4 {
+        let attributes = json!({"POSITION": 0, "TEXCOORD_0": places, "NORMAL": normal});
+        build.primitive(json!({"attributes": attributes, "material": material}));
+    }
+    build
+}
+
 #[test]
 fn unreadable_empty_and_unknown_files_are_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -60,7 +90,7 @@ fn unreadable_empty_and_unknown_files_are_named() {
 #[test]
 fn every_prefix_of_a_glb_is_an_error() {
     let bytes = rich().glb();
-    assert!(read(bytes.clone()).is_ok());
+    assert!(read(bytes.clone()).is_ok() && read(kept().glb()).is_ok());
     for end in 0..bytes.len() {
         let message = read(bytes[..end].to_vec()).expect_err("a cut file should be refused").to_string();
         assert!(message.starts_with("test.glb: "), "{message}");
@@ -80,16 +110,20 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn flipped_bytes_never_panic(flips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6)) {
-        let mut bytes = rich().glb();
+    fn flipped_bytes_never_panic(
+        all in any::<bool>(),
+        flips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+    ) {
+        let mut bytes = if all { kept().glb() } else { rich().glb() };
         for (at, value) in flips {
             let at = at.index(bytes.len());
             bytes[at] = value;
         }
         if let Ok((scene, _)) = read(bytes.clone()) {
-            for surface in &scene.surfaces {
+            for surface in scene.surfaces.iter().chain(&scene.see_through) {
                 prop_assert!(surface.polygons.iter().flatten().all(|&i| (i as usize) < surface.positions_m.len()));
                 prop_assert!(surface.positions_m.iter().all(|p| p.is_finite()));
+                prop_assert!(surface.uvs.iter().all(|p| p.is_finite()) && surface.normals.iter().all(|p| p.is_finite()));
             }
         }
         let _ = read_baked_bytes("test.glb", bytes);
@@ -104,12 +138,12 @@ proptest! {
         ]),
     ) {
         // Replaces the value of one property by something odd.
-        let json = rich().json.to_string();
+        let json = kept().json.to_string();
         let colons: Vec<usize> = json.match_indices(':').map(|(at, _)| at + 1).collect();
         let start = colons[place.index(colons.len())];
         let length = json[start..].find([',', '}']).unwrap_or(0);
         let odd = format!("{}{value}{}", &json[..start], &json[start + length..]);
-        if let Err(error) = read(frame(odd.as_bytes(), &rich().bin)) {
+        if let Err(error) = read(frame(odd.as_bytes(), &kept().bin)) {
             prop_assert!(error.to_string().starts_with("test.glb: "), "{error}");
         }
     }

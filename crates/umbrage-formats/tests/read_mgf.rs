@@ -5,7 +5,7 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{material_polygons, polygons, scene_path};
+use common::{material_polygons, polygons, read_files, scene_path};
 use umbrage::geometry::polygon;
 use umbrage::prepare::prepare;
 use umbrage::progress::Progress;
@@ -22,16 +22,6 @@ fn read(text: &str) -> Result<(Scene, Vec<Warning>), FormatError> {
 
 fn scene(text: &str) -> Scene {
     read(text).unwrap().0
-}
-
-fn read_files(files: &[(&str, &str)]) -> Result<(Scene, Vec<Warning>), FormatError> {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        let path = folder.path().join(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, text).unwrap();
-    }
-    read_scene(folder.path().join(files[0].0))
 }
 
 /// The least corner of each polygon, in millimetres.

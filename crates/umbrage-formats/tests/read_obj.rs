@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{material_polygons, polygons, scene_path};
+use common::{material_polygons, polygons, read_files, scene_path};
 use umbrage::prepare::prepare;
 use umbrage::progress::Progress;
 use umbrage::scene::cornell::cornell_box;
@@ -18,17 +18,6 @@ fn read(text: &str) -> Result<(Scene, Vec<Warning>), FormatError> {
 
 fn grey(count: usize) -> Warning {
     Warning::WithoutMaterial { polygons: count }
-}
-
-/// Writes files into a folder of their own and reads the first.
-fn read_files(files: &[(&str, &str)]) -> Result<(Scene, Vec<Warning>), FormatError> {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        let path = folder.path().join(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, text).unwrap();
-    }
-    read_scene(folder.path().join(files[0].0))
 }
 
 #[test]
@@ -52,7 +41,8 @@ fn polygons_of_any_size_and_corners_of_every_form() {
     assert_eq!(warnings, [grey(4)]);
     assert_eq!(scene.surfaces.raw[0].polygons[0].len(), 5);
     assert_eq!(polygons(&scene)[1..], vec![vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]; 3]);
-    assert_eq!(scene.surfaces.raw[0].positions_m.len(), 5);
+    // Three of the five are there with a normal, too.
+    assert_eq!(scene.surfaces.raw[0].positions_m.len(), 8);
     assert_eq!(scene.materials.raw[0].reflectance, Rgb::splat(0.5));
     assert_eq!(scene.nodes.raw[0].name.as_deref(), Some("test"));
 }
@@ -94,14 +84,12 @@ fn materials_come_from_libraries_in_the_folder() {
     let [wall, lamp] = scene.materials.raw.as_slice() else { panic!("{:?}", scene.materials) };
     assert_eq!((wall.reflectance, wall.name.as_str()), (Rgb::new(0.2, 0.3, 0.4), "wall #1"));
     assert_eq!((lamp.radiance, lamp.reflectance), (Rgb::new(5.0, 6.0, 7.0), Rgb::splat(0.9)));
-    assert_eq!(
-        warnings,
-        [
-            Warning::TexturesIgnored { uses: 1 },
-            Warning::AlphaIgnored { materials: 1 },
-            Warning::ReflectanceCapped { materials: 1, max_reflectance: 0.9 }
-        ]
-    );
+    let [Warning::TexturesIgnored { uses: 1, first }, others @ ..] = warnings.as_slice() else {
+        panic!("{warnings:?}")
+    };
+    assert!(first.starts_with("wood.png: cannot be read"), "{first}");
+    let capped = Warning::ReflectanceCapped { materials: 1, max_reflectance: 0.9 };
+    assert_eq!(others, [Warning::AlphaIgnored { materials: 1 }, capped]);
     let two = format!("mtllib a.mtl b.mtl\n{SQUARE}usemtl b\nf 1 2 3\n");
     let (scene, warnings) =
         read_files(&[("r.obj", &two), ("a.mtl", "newmtl b\nKd 1 0 0"), ("b.mtl", "newmtl b\nKd 0 0.5 0")]).unwrap();
@@ -194,4 +182,36 @@ fn a_keyhole_polygon_is_prepared_with_its_area() {
     let prepared = prepare(&scene, Progress::silent()).unwrap();
     let area: f64 = prepared.faces.keys().map(|f| umbrage::geometry::polygon::area_m2(&prepared.polygon_m(f))).sum();
     assert!((area - 12.0).abs() < 1e-5, "{area}");
+}
+
+#[test]
+fn textures_and_normals_belong_to_corners() {
+    // Two squares side by side: the first shows the white half of the image, the second the black one upside down.
+    let mut image = Vec::new();
+    let mut encoder = png::Encoder::new(&mut image, 2, 1);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.write_header().unwrap().write_image_data(&[255, 0]).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("lib")).unwrap();
+    std::fs::write(folder.path().join("lib/half image.png"), &image).unwrap();
+    let paint = "newmtl image\nKd 0.8 0.4 0.2\nmap_Kd -s 0.5 1 half image.png\nnewmtl plain\nKd 1 1 1\n";
+    std::fs::write(folder.path().join("lib/a.mtl"), paint).unwrap();
+    let room = "mtllib lib/a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 2\n\
+        usemtl image\nf 1/1/1 2/2/1 3/3/1 4/4/-1\nusemtl plain\nf 1/1/1 2/2 3//1 4/9/9\n";
+    std::fs::write(folder.path().join("room.obj"), room).unwrap();
+    let (scene, warnings) = read_scene(folder.path().join("room.obj")).unwrap();
+    let [image_surface, plain] = scene.surfaces.raw.as_slice() else { panic!("{:?}", scene.surfaces) };
+    // v grows upwards in an OBJ; -s halves u, so that only the white half is seen.
+    assert_eq!(
+        image_surface.uvs.iter().map(|uv| uv.to_array()).collect::<Vec<_>>(),
+        [[0., 1.], [0.5, 1.], [0.5, 0.], [0., 0.]]
+    );
+    assert_eq!(image_surface.normals, [glam::DVec3::Z; 4]);
+    let material = &scene.materials[image_surface.material];
+    assert!((material.reflectance - Rgb::new(0.8, 0.4, 0.2)).length() < 1e-9, "{material:?}");
+    assert_eq!(&*scene.images[material.look.texture.unwrap().image].bytes, image.as_slice());
+    // Without an image nothing is laid on; a corner may have no normal.
+    let (up, none) = (glam::DVec3::Z, glam::DVec3::ZERO);
+    assert!(plain.uvs.is_empty() && plain.normals == [up, none, up, none], "{:?}", plain.normals);
+    assert!(matches!(warnings.as_slice(), [Warning::ReflectanceCapped { materials: 1, .. }]), "{warnings:?}");
 }

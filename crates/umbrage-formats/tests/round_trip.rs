@@ -18,24 +18,7 @@ use umbrage_formats::{
 
 /// The scene's own polygons as triangles, with an irradiance made up from the position.
 fn made_up_bake(scene: &Scene) -> BakedMesh {
-    let origin_m = DVec3::new(0.1, -3.0, 1e6 / 3.0);
-    let part = |(surface, s): (SurfaceId, &umbrage::scene::Surface)| {
-        let mut part =
-            BakedPart { surface, positions_m: vec![], normals: vec![], irradiance: vec![], triangles: vec![] };
-        for polygon in 0..s.polygons.len() {
-            let corners: Vec<DVec3> = scene.corners_m(surface, polygon).collect();
-            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
-            let first = part.positions_m.len() as u32;
-            for corner in &corners {
-                part.positions_m.push(corner.as_vec3().into());
-                part.normals.push(normal.as_vec3().into());
-                part.irradiance.push((corner.abs() * 7.0).as_vec3().into());
-            }
-            part.triangles.extend((1..corners.len() as u32 - 1).map(|i| [first, first + i, first + i + 1]));
-        }
-        part
-    };
-    BakedMesh { origin_m, parts: scene.surfaces.iter_enumerated().map(part).collect() }
+    common::made_up_bake(scene, DVec3::new(0.1, -3.0, 1e6 / 3.0), |corner| (corner.abs() * 7.0).as_vec3().into())
 }
 
 fn facts() -> BakeFacts {
@@ -53,9 +36,19 @@ fn written(scene: &Scene, baked: &BakedMesh, facts: &BakeFacts) -> (Value, Baked
 /// A scene with nested nodes, a node without surfaces, and a surface whose part will be empty.
 fn nested_scene() -> Scene {
     let mut scene = cornell_box();
-    scene.nodes.push(Node { name: Some("lamp".into()), parent: Some(0.into()), mesh_name: Some("bulb".into()) });
-    scene.nodes.push(Node { name: None, parent: Some(1.into()), mesh_name: None });
-    scene.nodes.push(Node { name: Some("gone".into()), parent: None, mesh_name: Some("gone".into()) });
+    scene.nodes.push(Node {
+        name: Some("lamp".into()),
+        parent: Some(0.into()),
+        mesh_name: Some("bulb".into()),
+        ..Node::default()
+    });
+    scene.nodes.push(Node { name: None, parent: Some(1.into()), ..Node::default() });
+    scene.nodes.push(Node {
+        name: Some("gone".into()),
+        parent: None,
+        mesh_name: Some("gone".into()),
+        ..Node::default()
+    });
     scene.surfaces[SurfaceId::from(3)].node = NodeId::from(1);
     scene.surfaces[SurfaceId::from(2)].node = NodeId::from(3);
     scene
@@ -96,8 +89,7 @@ fn nodes_stay_and_only_parts_with_triangles_become_meshes() {
     let mut baked = made_up_bake(&scene);
     for part in [1, 2] {
         let surface = baked.parts[part].surface;
-        baked.parts[part] =
-            BakedPart { surface, positions_m: vec![], normals: vec![], irradiance: vec![], triangles: vec![] };
+        baked.parts[part] = BakedPart::new(surface);
     }
     let (json, _) = written(&scene, &baked, &facts());
     assert_eq!(

@@ -121,9 +121,19 @@ impl Writer<'_> {
 }
 
 /// The faces of a receiver, to draw upon.
-pub(crate) fn faces(prepared: &Prepared, receiver: &Receiver) -> Vec<Polygon> {
+fn faces(prepared: &Prepared, receiver: &Receiver) -> Vec<Polygon> {
     let flat = |&face: &_| prepared.polygon_m(face).iter().map(|&p| receiver.frame.flat(p)).collect();
     receiver.faces.iter().map(|face| Polygon { corners_m: flat(face), class: "face", grey: None }).collect()
+}
+
+/// A drawing of each receiver's faces, without lines.
+pub(crate) fn drawings(prepared: &Prepared, receivers: &[Receiver]) -> Vec<Drawing> {
+    let drawing = |(number, receiver): (usize, &Receiver)| Drawing {
+        title: receiver.title(number),
+        polygons: faces(prepared, receiver),
+        lines: Vec::new(),
+    };
+    receivers.iter().enumerate().map(drawing).collect()
 }
 
 /// The d-segments drawn: a picture of each receiver that has any, coloured by degree, the stronger the wider.
@@ -135,15 +145,7 @@ pub fn svg(scene: &Scene, traced: &Traced) -> String {
         let most = &mut strongest[segment.degree.number()];
         *most = most.max(segment.strength);
     }
-    let mut drawings: Vec<Drawing> = receivers
-        .iter()
-        .enumerate()
-        .map(|(number, receiver)| Drawing {
-            title: receiver.title(number),
-            polygons: faces(prepared, receiver),
-            lines: Vec::new(),
-        })
-        .collect();
+    let mut drawings = drawings(prepared, &receivers);
     for degree in [Degree::D2, Degree::D1, Degree::D0] {
         for segment in discontinuities.segments.iter().filter(|segment| segment.degree == degree) {
             let number = of_face[segment.face];

@@ -5,10 +5,10 @@ use umbrage::id::PatchId;
 use umbrage::mesh::{Cut, Patch};
 use umbrage::scene::Scene;
 
-use crate::d_segments::{CLASSES, faces};
+use crate::d_segments::{CLASSES, drawings};
 use crate::json::{self, Document, Record, Rounding, ids, quantity};
 use crate::receiver::{face_records, receivers};
-use crate::sheet::{Drawing, Line, Sheet};
+use crate::sheet::{Line, Sheet};
 
 /// Width of the first cut of a face, in pixels; later ones are thinner.
 const FIRST_CUT: f64 = 3.0;
@@ -58,15 +58,7 @@ fn name(cut: Cut) -> &'static str {
 pub fn svg(scene: &Scene, meshed: &Meshed) -> String {
     let Meshed { prepared, discontinuities, mesh } = meshed;
     let (receivers, of_face) = receivers(scene, prepared);
-    let mut drawings: Vec<Drawing> = receivers
-        .iter()
-        .enumerate()
-        .map(|(number, receiver)| Drawing {
-            title: receiver.title(number),
-            polygons: faces(prepared, receiver),
-            lines: Vec::new(),
-        })
-        .collect();
+    let mut drawings = drawings(prepared, &receivers);
     let mut counts = [0; 5];
     // Subpatches come after their patch: widths are known when they are asked for.
     let mut widths = vec![FIRST_CUT; mesh.patch_count()];

@@ -19,10 +19,12 @@ pub(crate) struct PageScene {
     pub(crate) tables: Vec<u8>,
 }
 
-/// Triangles of one look: the same base colour and texture.
+/// Triangles of one look: the same base colour, texture and mask.
 struct Look {
     base: [f32; 3],
     texture: Option<BakedTexture>,
+    /// The least alpha that is drawn; 0 draws all.
+    cutoff: f32,
     lit: Vec<u32>,
     /// Those that get no light at any corner. They are drawn last: see `web/draw.js`.
     dark: Vec<u32>,
@@ -38,9 +40,10 @@ pub(crate) fn lay_out(file: &BakedFile, outside: &Camera) -> PageScene {
         }
     }
     let (mut first, mut materials) = (0, Vec::new());
-    for Look { base, texture, lit, dark } in &looks {
+    for Look { base, texture, cutoff, lit, dark } in &looks {
         let number = images.iter().position(|known| Some(*known) == *texture);
-        materials.push(json!({"first": first, "lit": lit.len(), "dark": dark.len(), "base": base, "texture": number}));
+        materials.push(json!({"first": first, "lit": lit.len(), "dark": dark.len(), "base": base, "texture": number,
+            "cutoff": cutoff}));
         first += lit.len() + dark.len();
     }
     let textures: Vec<Value> = images
@@ -78,10 +81,10 @@ fn looks(file: &BakedFile) -> Vec<Look> {
     let mut first_vertex = 0;
     for part in &file.parts {
         let [red, green, blue, _] = part.base_color;
-        let (base, texture) = ([red, green, blue], part.texture);
-        let number = looks.iter().position(|look| look.base == base && look.texture == texture);
+        let (base, texture, cutoff) = ([red, green, blue], part.texture, part.cutoff.unwrap_or(0.0));
+        let number = looks.iter().position(|look| (look.base, look.texture, look.cutoff) == (base, texture, cutoff));
         let number = number.unwrap_or_else(|| {
-            looks.push(Look { base, texture, lit: Vec::new(), dark: Vec::new() });
+            looks.push(Look { base, texture, cutoff, lit: Vec::new(), dark: Vec::new() });
             looks.len() - 1
         });
         let is_dark = |vertex: u32| part.color[vertex as usize][..3] == [0.0; 3];
@@ -214,6 +217,7 @@ mod tests {
             color: vec![[0.0, 0.0, 0.0, 1.0], [0.5, 0.5, 0.5, 1.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]],
             base_color: [base, base, base, 1.0],
             texture,
+            cutoff: None,
             uvs: if texture.is_some() { vec![[0.25, 0.75]; 4] } else { Vec::new() },
             emission: None,
             irradiance: vec![[at; 3]; 4],
@@ -243,8 +247,8 @@ mod tests {
         assert_eq!(
             scene.about["materials"],
             json!([
-                {"first": 0, "lit": 6, "dark": 6, "base": [0.5f32, 0.5f32, 0.5f32], "texture": null},
-                {"first": 12, "lit": 3, "dark": 3, "base": [0.7f32, 0.7f32, 0.7f32], "texture": null},
+                {"first": 0, "lit": 6, "dark": 6, "base": [0.5f32, 0.5f32, 0.5f32], "texture": null, "cutoff": 0.0},
+                {"first": 12, "lit": 3, "dark": 3, "base": [0.7f32, 0.7f32, 0.7f32], "texture": null, "cutoff": 0.0},
             ])
         );
         // Twelve vertices of seven numbers, then the indices.

@@ -85,7 +85,7 @@ function prepare() {
   gl.linkProgram(program);
   gl.useProgram(program);
   const uniforms = {};
-  for (const name of ["clipFromWorld", "base", "textured", "show", "filmic", "exposure", "scaleEnd", "wire"]) {
+  for (const name of ["clipFromWorld", "base", "textured", "cutoff", "show", "filmic", "exposure", "scaleEnd", "wire"]) {
     uniforms[name] = gl.getUniformLocation(program, name);
   }
   const surfaces = vertexArray(tables.positions, tables.light, tables.irradiance, tables.uvs);
@@ -115,11 +115,12 @@ function draw() {
     else gl.disable(gl.POLYGON_OFFSET_FILL);
     const matrix = clipFromWorld(canvas.width / canvas.height, dark ? DARK_FARTHER : 0);
     gl.uniformMatrix4fv(uniforms.clipFromWorld, false, matrix);
-    for (const { first, lit, dark: unlit, base, texture: number } of about.materials) {
+    for (const { first, lit, dark: unlit, base, texture: number, cutoff } of about.materials) {
       const [begin, count] = dark ? [first + lit, unlit] : [first, lit];
       if (count === 0) continue;
       gl.uniform3fv(uniforms.base, base);
       gl.uniform1i(uniforms.textured, number === null ? 0 : 1);
+      gl.uniform1f(uniforms.cutoff, cutoff);
       if (number !== null) gl.bindTexture(gl.TEXTURE_2D, scene.textures[number]);
       if (shown.wire) gl.drawArrays(gl.TRIANGLES, begin, count);
       else gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * begin);

@@ -12,6 +12,7 @@ in vec3 corner;
 uniform vec3 base;
 uniform sampler2D image;
 uniform bool textured;
+uniform float cutoff; // where the image's alpha is less, there is nothing
 uniform int show; // 0 the surfaces, 1 their light alone, 2 irradiance in false colours
 uniform bool filmic;
 uniform float exposure;
@@ -47,6 +48,7 @@ vec3 onScale(float at) {
 }
 
 void main() {
+  if (textured && texture(image, uv).a < cutoff) discard;
   vec3 color;
   if (show == 2) {
     color = onScale(irradiance / scaleEnd);

@@ -40,6 +40,15 @@ pub(crate) struct Band {
     overlay: Vec<u8>,
 }
 
+/// What is on a triangle.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Paint<'a> {
+    /// Its colours are multiplied with those of this texture.
+    pub(crate) texture: Option<&'a Texture>,
+    /// Where the alpha of this one is less than the number, it is not drawn.
+    pub(crate) mask: Option<(&'a Texture, f32)>,
+}
+
 impl Band {
     /// An empty band of `rows` (first, and after the last) of `width` samples.
     pub(crate) fn new(width: usize, rows: [i64; 2]) -> Self {
@@ -58,8 +67,8 @@ impl Band {
         ((row - self.rows[0]) * self.width + column) as usize
     }
 
-    /// Draws the front of a triangle where it is the nearest; its colours are multiplied with those of `texture`.
-    pub(crate) fn draw_triangle(&mut self, triangle: &ScreenTriangle, texture: Option<&Texture>) {
+    /// Draws the front of a triangle where it is the nearest.
+    pub(crate) fn draw_triangle(&mut self, triangle: &ScreenTriangle, paint: Paint<'_>) {
         let Some(fill) = Fill::new(triangle) else { return };
         let mix = |weights: [f64; 3], of: [f64; 3]| weights[0] * of[0] + weights[1] * of[1] + weights[2] * of[2];
         let inverse_depths = [0, 1, 2].map(|i| triangle[i].inverse_depth);
@@ -76,16 +85,22 @@ impl Band {
                 if inverse_depth <= self.inverse_depth[at] {
                     continue;
                 }
-                self.inverse_depth[at] = inverse_depth;
-                let mut color = colors.map(|of| (mix(weights, of) / inverse_depth) as f32);
-                if let Some(texture) = texture {
+                let texel = |texture: &Texture| {
                     let uv = uvs.map(|of| mix(weights, of) / inverse_depth);
                     // The derivative of (uv/z) / (1/z).
                     let steps = weight_steps.map(|step| {
                         let deeper = mix(step, inverse_depths);
                         [0, 1].map(|axis| (mix(step, uvs[axis]) - uv[axis] * deeper) / inverse_depth)
                     });
-                    let texel = texture.sample(uv, steps);
+                    texture.sample(uv, steps)
+                };
+                if paint.mask.is_some_and(|(texture, cutoff)| texel(texture)[3] < cutoff) {
+                    continue;
+                }
+                self.inverse_depth[at] = inverse_depth;
+                let mut color = colors.map(|of| (mix(weights, of) / inverse_depth) as f32);
+                if let Some(texture) = paint.texture {
+                    let texel = texel(texture);
                     color = [0, 1, 2].map(|channel| color[channel] * texel[channel]);
                 }
                 self.color[at] = color;

@@ -11,6 +11,7 @@
 //! |---|---|
 //! | `color` | exposure, tone curve, clipping, sRGB, false colours: the only place that leaves linear light |
 //! | `mesh`, `texture` | what is drawn |
+//! | `mean_color` | the mean colour of an image, or of a part of it |
 //! | `camera`, `view` | the camera, and the one where none is asked for |
 //! | `project` | clipping, projection, snapping to the grid |
 //! | `fill` | which samples a triangle covers |
@@ -44,6 +45,7 @@ mod compare;
 mod fill;
 mod glyph;
 mod line;
+mod mean_color;
 mod mesh;
 mod picture;
 mod project;
@@ -56,11 +58,12 @@ pub use camera::{Camera, CameraError};
 pub use color::{LinearRgb, Tone};
 pub use compare::{Difference, beside, difference};
 pub use line::{Line, LineColor, LineSet, SEGMENT_WIDTH_PX, WIRE_OPACITY, WIRE_WIDTH_PX, wireframe};
+pub use mean_color::{MeanColor, Seen};
 pub use mesh::{MeshError, PictureMesh, bounds_m};
 #[cfg(feature = "exr")]
 pub use picture::ExrError;
 pub use picture::{Picture, PngError};
 pub use render::{Look, MAX_SIZE_PX, RenderError, RenderSettings, render};
 pub use scale::{Scale, nice_ceiling};
-pub use texture::{Texture, TextureError, Wrap};
+pub use texture::{Texel, Texture, TextureError, Wrap};
 pub use view::{default_camera, fit};

@@ -21,6 +21,8 @@ pub struct PictureMesh {
     pub uvs: Vec<[f32; 2]>,
     /// What the colours are multiplied with; several meshes may share it.
     pub texture: Option<Arc<Texture>>,
+    /// A texture of the same places: where its alpha is less than the number, nothing is drawn.
+    pub mask: Option<(Arc<Texture>, f32)>,
     /// Triangles, counter-clockwise seen from the front; from behind they cannot be seen.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -36,7 +38,7 @@ pub enum MeshError {
         /// Number of colours.
         colors: usize,
     },
-    /// There is a texture, but not one place in it per vertex.
+    /// There is a texture or a mask, but not one place in it per vertex.
     #[error("{positions} vertices, but {uvs} places in the texture")]
     UvCount {
         /// Number of vertices.
@@ -69,7 +71,7 @@ impl PictureMesh {
         if self.colors.len() != positions {
             return Err(MeshError::ColorCount { positions, colors: self.colors.len() });
         }
-        if self.texture.is_some() && self.uvs.len() != positions {
+        if (self.texture.is_some() || self.mask.is_some()) && self.uvs.len() != positions {
             return Err(MeshError::UvCount { positions, uvs: self.uvs.len() });
         }
         if let Some(vertex) = self.positions_m.iter().position(|p| p.iter().any(|x| !x.is_finite())) {

@@ -9,14 +9,13 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::band::{Band, SUPERSAMPLING, ScreenLines};
+use crate::band::{Band, Paint, SUPERSAMPLING, ScreenLines};
 use crate::camera::{Camera, CameraError};
 use crate::color::{BACKGROUND, LinearRgb, SEQUENTIAL, Tone, displayed, luminance, on_scale};
 use crate::line::LineSet;
 use crate::mesh::{MeshError, PictureMesh, bounds_m};
 use crate::picture::Picture;
 use crate::project::{Frustum, SNAP, ScreenTriangle};
-use crate::texture::Texture;
 
 /// Largest width and height of a picture, in pixels.
 pub const MAX_SIZE_PX: usize = 16384;
@@ -146,7 +145,13 @@ pub(crate) fn render_with_backs(
     let lens = camera.lens(width as f64 * samples, height as f64 * samples)?;
     let frustum = Frustum::new(lens, near_m(meshes, camera.eye_m));
     let triangles = screen_triangles(meshes, &frustum, backs);
-    let texture = |mesh: u32| -> Option<&Texture> { meshes[mesh as usize].texture.as_deref() };
+    let paint = |mesh: u32| -> Paint<'_> {
+        let mesh = &meshes[mesh as usize];
+        Paint {
+            texture: mesh.texture.as_deref(),
+            mask: mesh.mask.as_ref().map(|(texture, cutoff)| (&**texture, *cutoff)),
+        }
+    };
     let lines = screen_lines(line_sets, &frustum, camera.eye_m);
 
     // A line looks at depths up to its radius and one sample beside its samples.
@@ -170,7 +175,7 @@ pub(crate) fn render_with_backs(
             let mut band = Band::new(width * SUPERSAMPLING, rows);
             for &number in own {
                 let (mesh, triangle) = &triangles[number as usize];
-                band.draw_triangle(triangle, texture(*mesh));
+                band.draw_triangle(triangle, paint(*mesh));
             }
             // `check` lets at most 255 sets pass.
             lines.iter().enumerate().for_each(|(set, lines)| band.draw_lines(set as u8, lines));
@@ -222,7 +227,9 @@ fn screen_triangles(meshes: &[PictureMesh], frustum: &Frustum, backs: Backs) -> 
             mesh.triangles.par_iter().flat_map_iter(move |&[a, b, c]| {
                 let corners = |t: [u32; 3]| t.map(|i| DVec3::from(mesh.positions_m[i as usize]));
                 let colors = [a, b, c].map(|i| mesh.colors[i as usize]);
-                let uvs = [a, b, c].map(|i| if mesh.texture.is_some() { mesh.uvs[i as usize] } else { [0.0; 2] });
+                let uvs = [a, b, c].map(|i| {
+                    if mesh.texture.is_some() || mesh.mask.is_some() { mesh.uvs[i as usize] } else { [0.0; 2] }
+                });
                 let mut parts = frustum.triangle(corners([a, b, c]), colors, uvs);
                 if backs == Backs::Black {
                     parts.extend(frustum.triangle(corners([a, c, b]), [[0.0; 3]; 3], uvs));
@@ -272,7 +279,7 @@ mod tests {
     use super::*;
     use crate::color::linear_from_srgb;
     use crate::line::{Line, LineColor, wireframe};
-    use crate::texture::Wrap;
+    use crate::texture::{Texture, Wrap};
 
     fn plain(width: usize, height: usize) -> RenderSettings {
         RenderSettings { width, height, background: [0.0; 3], ..RenderSettings::default() }
@@ -331,6 +338,27 @@ mod tests {
     }
 
     #[test]
+    fn through_a_mask_one_sees_what_is_behind() {
+        let mut file = Vec::new();
+        let mut encoder = png::Encoder::new(&mut file, 2, 1);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.write_header().unwrap().write_image_data(&[[255; 4], [255, 255, 255, 100]].concat()).unwrap();
+        let mask = Arc::new(Texture::decode(&file, [Wrap::Clamp; 2]).unwrap());
+        let uvs = vec![[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
+        let seen = |cutoff| {
+            let leaf = PictureMesh {
+                uvs: uvs.clone(),
+                mask: Some((mask.clone(), cutoff)),
+                ..square(-1.0, 1.0, [0.0, 1.0, 0.0])
+            };
+            let picture = render(&[leaf, square(-2.0, 2.0, [1.0, 0.0, 0.0])], &[], &camera(), &plain(40, 40)).unwrap();
+            [5, 35].map(|column| picture.pixel(column, 20))
+        };
+        assert_eq!(seen(0.5), [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]);
+        assert_eq!(seen(0.3), [[0.0, 1.0, 0.0]; 2]);
+    }
+
+    #[test]
     fn a_texture_is_right_in_perspective_and_upright() {
         // The wall of the test above, with a texture that grows brighter from left to right and is black in its lower half.
         let mut codes: Vec<u8> = (0..=255).collect::<Vec<u8>>().repeat(32);
@@ -345,6 +373,7 @@ mod tests {
             uvs: vec![[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]],
             texture: Some(Arc::new(Texture::decode(&file, [Wrap::Clamp; 2]).unwrap())),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..PictureMesh::default()
         };
         let size = 201;
         let picture = render(std::slice::from_ref(&mesh), &[], &camera(), &plain(size, size)).unwrap();

@@ -6,7 +6,7 @@
 //! so it stays sharp where a surface is seen at a grazing angle.
 //!
 //! Holds: colours lie within 0..1; a texture of one colour has that colour everywhere; memory is 4/3 of the texels'.
-//! Alpha is ignored: baked surfaces are opaque.
+//! Alpha is averaged like a colour, as graphics processors do it; what it means is the caller's to say.
 
 use std::io::Cursor;
 
@@ -14,7 +14,7 @@ use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use crate::color::{LinearRgb, linear_from_srgb};
+use crate::color::linear_from_srgb;
 
 /// Largest width and height of a texture, in texels: what graphics processors take.
 const MAX_SIZE_TEXELS: usize = 16384;
@@ -43,8 +43,11 @@ pub struct Texture {
 #[derive(Clone, Debug, PartialEq)]
 struct Level {
     size: [usize; 2],
-    texels: Vec<LinearRgb>,
+    texels: Vec<Texel>,
 }
+
+/// Linear RGB and alpha.
+pub type Texel = [f32; 4];
 
 /// An image that cannot be a texture.
 #[derive(Debug, thiserror::Error)]
@@ -59,7 +62,10 @@ pub enum TextureError {
     #[error("its JPEG cannot be decoded ({0}): save it again as a baseline or progressive JPEG")]
     Jpeg(String),
     /// It is empty or too large.
-    #[error("it has {width} x {height} texels: each side must be between 1 and {MAX_SIZE_TEXELS}")]
+    #[error(
+        "it has {width} x {height} texels: each side must be between 1 and {MAX_SIZE_TEXELS}, and to be baked there must be at \
+         most 2^26 in all"
+    )]
     BadSize {
         /// Width in texels.
         width: usize,
@@ -74,18 +80,18 @@ impl Texture {
     /// # Errors
     /// [`TextureError`] where it is neither, broken or too large.
     pub fn decode(file: &[u8], wrap: [Wrap; 2]) -> Result<Self, TextureError> {
-        let (size, codes) = match file {
-            [0x89, b'P', b'N', b'G', ..] => decode_png(file)?,
-            [0xff, 0xd8, 0xff, ..] => decode_jpeg(file)?,
-            _ => return Err(TextureError::UnknownFormat),
-        };
+        let (size, codes) = decode(file, MAX_SIZE_TEXELS * MAX_SIZE_TEXELS)?;
         let linear: Vec<f32> = (0..=255u8).map(|code| linear_from_srgb(f64::from(code) / 255.0) as f32).collect();
-        let texels = codes.iter().map(|code| code.map(|c| linear[usize::from(c)])).collect();
+        let texel = |&[r, g, b, a]: &[u8; 4]| {
+            let [r, g, b] = [r, g, b].map(|c| linear[usize::from(c)]);
+            [r, g, b, f32::from(a) / 255.0]
+        };
+        let texels = codes.iter().map(texel).collect();
         Ok(Self { levels: pyramid(Level { size, texels }), wrap })
     }
 
     /// Its levels, from the finest to a single texel: columns and rows, and the texels row by row from the top.
-    pub fn levels(&self) -> impl ExactSizeIterator<Item = ([usize; 2], &[LinearRgb])> {
+    pub fn levels(&self) -> impl ExactSizeIterator<Item = ([usize; 2], &[Texel])> {
         self.levels.iter().map(|level| (level.size, level.texels.as_slice()))
     }
 
@@ -94,8 +100,8 @@ impl Texture {
         self.wrap
     }
 
-    /// The colour at `uv`, where the next samples to the right and below are `steps` away, as shares of the texture.
-    pub(crate) fn sample(&self, uv: [f64; 2], steps: [[f64; 2]; 2]) -> LinearRgb {
+    /// Colour and alpha at `uv`, where the next samples to the right and below are `steps` away, as shares of the texture.
+    pub(crate) fn sample(&self, uv: [f64; 2], steps: [[f64; 2]; 2]) -> Texel {
         let [width, height] = self.levels[0].size.map(|side| side as f64);
         let texels = steps.map(|[u, v]| (u * width).hypot(v * height)).into_iter().fold(0.0, f64::max);
         let last = self.levels.len() - 1;
@@ -112,8 +118,8 @@ impl Texture {
 }
 
 impl Level {
-    /// The colour at `uv`, between the four texels around it.
-    fn sample(&self, uv: [f64; 2], wrap: [Wrap; 2]) -> LinearRgb {
+    /// Colour and alpha at `uv`, between the four texels around it.
+    fn sample(&self, uv: [f64; 2], wrap: [Wrap; 2]) -> Texel {
         let [(x0, x1, sx), (y0, y1, sy)] = [0, 1].map(|axis| between(uv[axis], self.size[axis], wrap[axis]));
         let texel = |x: usize, y: usize| self.texels[y * self.size[0] + x];
         let (a, b, c, d) = (texel(x0, y0), texel(x1, y0), texel(x0, y1), texel(x1, y1));
@@ -121,6 +127,15 @@ impl Level {
             let (top, bottom) = (a[i] + sx * (b[i] - a[i]), c[i] + sx * (d[i] - c[i]));
             top + sy * (bottom - top)
         })
+    }
+}
+
+/// Decodes a PNG or a JPEG of so many texels at most: the others take no memory.
+pub(crate) fn decode(file: &[u8], most_texels: usize) -> Result<Codes, TextureError> {
+    match file {
+        [0x89, b'P', b'N', b'G', ..] => decode_png(file, most_texels),
+        [0xff, 0xd8, 0xff, ..] => decode_jpeg(file, most_texels),
+        _ => Err(TextureError::UnknownFormat),
     }
 }
 
@@ -134,7 +149,7 @@ fn between(at: f64, size: usize, wrap: Wrap) -> (usize, usize, f32) {
 }
 
 /// The texel that stands for texel `index` of a row of `size`.
-fn wrapped(index: i64, size: usize, wrap: Wrap) -> usize {
+pub(crate) fn wrapped(index: i64, size: usize, wrap: Wrap) -> usize {
     let size = size as i64;
     let texel = match wrap {
         Wrap::Repeat => index.rem_euclid(size),
@@ -164,11 +179,11 @@ fn pyramid(finest: Level) -> Vec<Level> {
 }
 
 /// The mean of the texels of `below` that texel `at` of a level of `size` covers.
-fn mean(below: &Level, size: [usize; 2], at: [usize; 2]) -> LinearRgb {
+fn mean(below: &Level, size: [usize; 2], at: [usize; 2]) -> Texel {
     let [columns, rows] =
         [0, 1].map(|axis| at[axis] * below.size[axis] / size[axis]..(at[axis] + 1) * below.size[axis] / size[axis]);
     let count = (columns.len() * rows.len()) as f32;
-    let mut sum = [0.0f32; 3];
+    let mut sum = [0.0f32; 4];
     for y in rows {
         for x in columns.clone() {
             let texel = below.texels[y * below.size[0] + x];
@@ -178,54 +193,61 @@ fn mean(below: &Level, size: [usize; 2], at: [usize; 2]) -> LinearRgb {
     sum.map(|s| s / count)
 }
 
-/// Size and sRGB codes.
-type Codes = ([usize; 2], Vec<[u8; 3]>);
+/// Size, and sRGB codes with alpha.
+pub(crate) type Codes = ([usize; 2], Vec<[u8; 4]>);
 
-fn checked(width: usize, height: usize) -> Result<[usize; 2], TextureError> {
+fn checked(width: usize, height: usize, most_texels: usize) -> Result<[usize; 2], TextureError> {
     let fits = |side: usize| (1..=MAX_SIZE_TEXELS).contains(&side);
-    if fits(width) && fits(height) { Ok([width, height]) } else { Err(TextureError::BadSize { width, height }) }
+    if fits(width) && fits(height) && width * height <= most_texels {
+        Ok([width, height])
+    } else {
+        Err(TextureError::BadSize { width, height })
+    }
 }
 
-fn decode_png(file: &[u8]) -> Result<Codes, TextureError> {
+fn decode_png(file: &[u8], most_texels: usize) -> Result<Codes, TextureError> {
     let mut decoder = png::Decoder::new(Cursor::new(file));
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info()?;
-    let size = checked(reader.info().width as usize, reader.info().height as usize)?;
+    let size = checked(reader.info().width as usize, reader.info().height as usize, most_texels)?;
     let too_large = || TextureError::BadSize { width: size[0], height: size[1] };
     let mut bytes = vec![0; reader.output_buffer_size().ok_or_else(too_large)?];
     let frame = reader.next_frame(&mut bytes)?;
     let channels = frame.color_type.samples();
     let codes = bytes[..frame.buffer_size()].chunks_exact(channels).map(|texel| match *texel {
-        [r, g, b, ..] => [r, g, b],
-        [grey, ..] => [grey; 3],
-        [] => [0; 3],
+        [r, g, b, a] => [r, g, b, a],
+        [r, g, b] => [r, g, b, u8::MAX],
+        [grey, a] => [grey, grey, grey, a],
+        [grey, ..] => [grey, grey, grey, u8::MAX],
+        [] => [0; 4],
     });
     Ok((size, codes.collect()))
 }
 
-fn decode_jpeg(file: &[u8]) -> Result<Codes, TextureError> {
+fn decode_jpeg(file: &[u8], most_texels: usize) -> Result<Codes, TextureError> {
     let options = DecoderOptions::default()
         .jpeg_set_out_colorspace(ColorSpace::RGB)
         .set_max_width(MAX_SIZE_TEXELS)
         .set_max_height(MAX_SIZE_TEXELS);
     let mut decoder = JpegDecoder::new_with_options(Cursor::new(file), options);
     let broken = |what: &str| TextureError::Jpeg(what.to_owned());
-    let bytes = decoder.decode().map_err(|error| TextureError::Jpeg(error.to_string()))?;
+    decoder.decode_headers().map_err(|error| TextureError::Jpeg(error.to_string()))?;
     let (width, height) = decoder.dimensions().ok_or_else(|| broken("it has no size"))?;
-    let size = checked(width, height)?;
-    let codes: Vec<[u8; 3]> = bytes.chunks_exact(3).map(|texel| [texel[0], texel[1], texel[2]]).collect();
+    let size = checked(width, height, most_texels)?;
+    let bytes = decoder.decode().map_err(|error| TextureError::Jpeg(error.to_string()))?;
+    let codes: Vec<[u8; 4]> = bytes.chunks_exact(3).map(|texel| [texel[0], texel[1], texel[2], u8::MAX]).collect();
     if codes.len() == width * height { Ok((size, codes)) } else { Err(broken("it is cut off")) }
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::color::linear_from_srgb8;
 
     /// Samples that are as good as in one place.
     const NEAR: [[f64; 2]; 2] = [[0.0; 2]; 2];
 
-    fn png_of(width: u32, height: u32, color: png::ColorType, bytes: &[u8]) -> Vec<u8> {
+    pub(crate) fn png_of(width: u32, height: u32, color: png::ColorType, bytes: &[u8]) -> Vec<u8> {
         let mut file = Vec::new();
         let mut encoder = png::Encoder::new(&mut file, width, height);
         encoder.set_color(color);
@@ -269,7 +291,7 @@ mod tests {
                 assert!((seen - expected).abs() < 1e-6, "{footprint}: {seen} {expected}");
             }
         }
-        assert_eq!(two(Wrap::Repeat).sample([0.1, 0.1], [[1.0, 0.0], [0.0; 2]]), [0.5; 3]);
+        assert_eq!(two(Wrap::Repeat).sample([0.1, 0.1], [[1.0, 0.0], [0.0; 2]]), [0.5, 0.5, 0.5, 1.0]);
     }
 
     #[test]
@@ -277,7 +299,7 @@ mod tests {
         // A grey square of 8 x 8, baseline, code 128 throughout: all coefficients are 0.
         let texture = Texture::decode(&grey_jpeg(), [Wrap::Repeat; 2]).unwrap();
         assert_eq!(texture.levels[0].size, [8, 8]);
-        assert_eq!(texture.sample([0.5, 0.5], NEAR), linear_from_srgb8([128; 3]));
+        assert_eq!(texture.sample([0.5, 0.5], NEAR)[..3], linear_from_srgb8([128; 3]));
     }
 
     /// The smallest JPEG by hand: one component, tables of one code each.

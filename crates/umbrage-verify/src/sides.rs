@@ -95,10 +95,9 @@ mod tests {
         scene.nodes.push(Node::default());
         let material = scene.materials.push_and_get_key(Material::diffuse("grey", Rgb::ONE));
         scene.surfaces.push(Surface {
-            node: NodeId::from(0),
-            material,
             positions_m: corners.map(|(x, y)| DVec3::new(x, y, 2.0)).to_vec(),
             polygons: vec![(0..6).collect()],
+            ..Surface::new(NodeId::from(0), material)
         });
         let triangles = triangles(&scene);
         assert_eq!(triangles.len(), 4);

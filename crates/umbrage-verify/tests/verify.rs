@@ -21,7 +21,11 @@ fn add_box(scene: &mut Scene, low: DVec3, high: DVec3, inward: bool, material: M
         scene.nodes.push(Node::default());
     }
     let material = scene.materials.push_and_get_key(material);
-    scene.surfaces.push(Surface { node: NodeId::from(0), material, positions_m: (0..8).map(at).collect(), polygons });
+    scene.surfaces.push(Surface {
+        positions_m: (0..8).map(at).collect(),
+        polygons,
+        ..Surface::new(NodeId::from(0), material)
+    });
 }
 
 /// Two triangles for each quadrilateral of a surface, lit by a function of the place.

@@ -15,8 +15,9 @@ use umbrage_cli::shown::{Colors, Shown};
 use umbrage_picture::color::luminance;
 use umbrage_picture::{PictureMesh, Texture};
 
-/// Position (3), base colour times light (3), light (3), irradiance, place in the texture (2).
-pub(crate) type Vertex = [f32; 12];
+/// Position (3), base colour times light (3), light (3), irradiance, place in the texture (2), and the alpha of the texture
+/// below which nothing is drawn.
+pub(crate) type Vertex = [f32; 13];
 
 /// Triangles with one texture, or none.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +58,7 @@ pub(crate) fn lay_out(shown: &Shown) -> Tables {
             let [x, y, z] = part.positions_m[i];
             let ([r, g, b], [lr, lg, lb]) = (seen.colors[i], light.colors[i]);
             let [u, v] = part.uvs.get(i).copied().unwrap_or_default();
-            [x, y, z, r, g, b, lr, lg, lb, luminance(part.irradiance[i]), u, v]
+            [x, y, z, r, g, b, lr, lg, lb, luminance(part.irradiance[i]), u, v, part.cutoff.unwrap_or(0.0)]
         }));
     }
 
@@ -137,6 +138,7 @@ pub(crate) mod tests {
             base_color: [0.5, 0.25, 1.0, 1.0],
             texture: None,
             uvs: Vec::new(),
+            cutoff: None,
             emission: None,
             irradiance: vec![[irradiance; 3]; 4],
             triangles: vec![[0, 1, 2], [0, 2, 3]],

@@ -157,7 +157,7 @@ fn surface_pipeline(device: &Device, layouts: &[&BindGroupLayout], dark: bool, w
         buffers: &[VertexBufferLayout {
             array_stride: size_of::<Vertex>() as u64,
             step_mode: VertexStepMode::Vertex,
-            attributes: &vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32, 4 => Float32x2],
+            attributes: &vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32, 4 => Float32x2, 5 => Float32],
         }],
         primitive: PrimitiveState { cull_mode: Some(Face::Back), ..PrimitiveState::default() },
         depth: Some(depth(true, DepthBiasState { slope_scale, ..DepthBiasState::default() })),

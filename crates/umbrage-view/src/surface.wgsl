@@ -11,6 +11,8 @@ struct Corner {
   @location(2) light: vec3<f32>,
   @location(3) irradiance: f32,
   @location(4) uv: vec2<f32>,
+  // Where the texture's alpha is less, nothing is drawn.
+  @location(5) cutoff: f32,
 }
 
 struct Between {
@@ -20,6 +22,7 @@ struct Between {
   @location(2) @interpolate(perspective, centroid) uv: vec2<f32>,
   // 1 at one corner of the triangle, 0 at the others.
   @location(3) corner: vec3<f32>,
+  @location(4) @interpolate(flat) cutoff: f32,
 }
 
 @group(1) @binding(0) var image: texture_2d<f32>;
@@ -33,6 +36,7 @@ fn place(vertex: Corner, @builtin(vertex_index) index: u32) -> Between {
   out.color = select(vertex.seen, vertex.light, view.show == 1u);
   out.irradiance = vertex.irradiance;
   out.uv = vertex.uv;
+  out.cutoff = vertex.cutoff;
   let corner = index % 3u;
   out.corner = vec3<f32>(f32(corner == 0u), f32(corner == 1u), f32(corner == 2u));
   return out;
@@ -61,18 +65,21 @@ fn on_scale(at: f32) -> vec3<f32> {
 
 @fragment
 fn shade(in: Between) -> @location(0) vec4<f32> {
-  let texel = textureSample(image, image_sampler, in.uv).rgb;
+  let texel = textureSample(image, image_sampler, in.uv);
   // Distance from each edge, in pixels.
   let across = dpdx(in.corner);
   let down = dpdy(in.corner);
   let away = in.corner / max(sqrt(across * across + down * down), vec3<f32>(1e-9));
+  if texel.a < in.cutoff {
+    discard;
+  }
   var color: vec3<f32>;
   if view.show == 2u {
     color = on_scale(in.irradiance / view.scale_end);
   } else if view.show == 1u {
     color = displayed(in.color);
   } else {
-    color = displayed(in.color * texel);
+    color = displayed(in.color * texel.rgb);
   }
   if WIRE {
     let nearest = min(away.x, min(away.y, away.z));

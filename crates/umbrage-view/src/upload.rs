@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use umbrage_picture::color::srgb8_from_linear;
-use umbrage_picture::{LinearRgb, Wrap};
+use umbrage_picture::{Texel, Wrap};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{
     AddressMode, BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferUsages, Device,
@@ -61,7 +61,7 @@ impl Uploaded {
                 bind(renderer, &levels, texture.wrap())
             })
             .collect();
-        textures.push(bind(renderer, &[([1, 1], &[[1.0; 3]])], [Wrap::Repeat; 2]));
+        textures.push(bind(renderer, &[([1, 1], &[[1.0; 4]])], [Wrap::Repeat; 2]));
         Ok(Self {
             vertices: buffer(device, bytemuck::cast_slice(&tables.vertices), BufferUsages::VERTEX),
             indices: buffer(device, bytemuck::cast_slice(&tables.indices), BufferUsages::INDEX),
@@ -101,11 +101,15 @@ fn buffer(device: &Device, contents: &[u8], usage: BufferUsages) -> Buffer {
 }
 
 /// A mip level: columns and rows, and texels.
-type Level<'a> = ([usize; 2], &'a [LinearRgb]);
+type Level<'a> = ([usize; 2], &'a [Texel]);
 
-/// Texels as sRGB codes.
-fn codes(texels: &[LinearRgb]) -> Vec<u8> {
-    texels.iter().flat_map(|&[r, g, b]| [r, g, b, 1.0].map(srgb8_from_linear)).collect()
+/// Texels as sRGB codes, and their alpha.
+fn codes(texels: &[Texel]) -> Vec<u8> {
+    let alpha_code = |alpha: f32| (255.0 * alpha).round() as u8;
+    texels
+        .iter()
+        .flat_map(|&[r, g, b, a]| [r, g, b].map(srgb8_from_linear).into_iter().chain([alpha_code(a)]))
+        .collect()
 }
 
 fn bind(renderer: &Renderer, levels: &[Level<'_>], wrap: [Wrap; 2]) -> BindGroup {

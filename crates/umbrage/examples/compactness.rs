@@ -31,7 +31,7 @@ fn corridor() -> Scene {
         let material: MaterialId = scene.materials.push_and_get_key(material);
         let positions_m: Vec<DVec3> = polygons.iter().flatten().copied().collect();
         let polygons = (0..positions_m.len() as u32 / 4).map(|i| (4 * i..4 * i + 4).collect()).collect();
-        scene.surfaces.push(Surface { node: NodeId::from(0), material, positions_m, polygons });
+        scene.surfaces.push(Surface { positions_m, polygons, ..Surface::new(NodeId::from(0), material) });
     }
     scene
 }

@@ -37,12 +37,16 @@ macro_rules! typed_id {
 typed_id! {
     /// A material of the scene.
     MaterialId,
+    /// An image of the scene.
+    ImageId,
     /// A lamp of the scene.
     LampId,
     /// A node of the scene's hierarchy.
     NodeId,
     /// A surface of the scene: the polygons of one material under one node.
     SurfaceId,
+    /// What is laid over faces: texture coordinates and smooth normals as functions of the position.
+    SkinId,
     /// A vertex, of the prepared faces and of the mesh that grows from them.
     VertexId,
     /// A (possibly split) edge: a node of an edge tree.

@@ -19,7 +19,7 @@ fn add(scene: &mut Scene, material: Material, polygons: &[Vec<DVec3>]) {
         scene.nodes.push(Node::default());
     }
     let material = scene.materials.push_and_get_key(material);
-    let mut surface = Surface { node: NodeId::from(0), material, positions_m: Vec::new(), polygons: Vec::new() };
+    let mut surface = Surface::new(NodeId::from(0), material);
     for polygon in polygons {
         let first = surface.positions_m.len() as u32;
         surface.polygons.push((first..first + polygon.len() as u32).collect());

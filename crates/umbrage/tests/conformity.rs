@@ -38,7 +38,7 @@ fn scene(grey: Vec<Polygon>, light: Vec<Polygon>) -> Scene {
         [(grey, Material::diffuse("grey", Rgb::splat(0.5))), (light, Material::emitting("light", Rgb::splat(5.0)))]
     {
         let material: MaterialId = scene.materials.push_and_get_key(material);
-        let mut surface = Surface { node: NodeId::from(0), material, positions_m: vec![], polygons: vec![] };
+        let mut surface = Surface::new(NodeId::from(0), material);
         for polygon in polygons {
             let first = surface.positions_m.len() as u32;
             surface.polygons.push((first..first + polygon.len() as u32).collect());

@@ -34,7 +34,7 @@ fn scene(polygons: Vec<Vec<DVec3>>) -> Scene {
     let mut scene = Scene::default();
     scene.nodes.push(Node::default());
     let material = scene.materials.push_and_get_key(Material::diffuse("grey", Rgb::splat(0.5)));
-    let mut surface = Surface { node: NodeId::from(0), material, positions_m: Vec::new(), polygons: Vec::new() };
+    let mut surface = Surface::new(NodeId::from(0), material);
     for polygon in polygons {
         let first = surface.positions_m.len() as u32;
         surface.polygons.push((first..first + polygon.len() as u32).collect());

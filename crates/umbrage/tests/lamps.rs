@@ -22,7 +22,7 @@ fn plate_under(kind: LampKind) -> Scene {
     let material = scene.materials.push_and_get_key(Material::diffuse("black", Rgb::ZERO));
     let positions_m = [square(DVec3::ZERO, 2.0), square(DVec3::Z, 0.5)].concat();
     let polygons = vec![(0..4).collect(), (4..8).collect()];
-    scene.surfaces.push(Surface { node: NodeId::from(0), material, positions_m, polygons });
+    scene.surfaces.push(Surface { positions_m, polygons, ..Surface::new(NodeId::from(0), material) });
     scene.lamps.push(Lamp { name: "lamp".into(), kind });
     scene
 }
@@ -87,7 +87,11 @@ fn a_lamp_in_a_closed_room_lights_it_by_reflection_too() {
     let at = |i: u32| 2.0 * DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2 & 1));
     let inward = [[1, 3, 2, 0], [6, 7, 5, 4], [4, 5, 1, 0], [3, 7, 6, 2], [2, 6, 4, 0], [5, 7, 3, 1]];
     let polygons = inward.map(|corners| corners.to_vec()).to_vec();
-    scene.surfaces.push(Surface { node: NodeId::from(0), material, positions_m: (0..8).map(at).collect(), polygons });
+    scene.surfaces.push(Surface {
+        positions_m: (0..8).map(at).collect(),
+        polygons,
+        ..Surface::new(NodeId::from(0), material)
+    });
     let kind = LampKind::Spot {
         position_m: DVec3::new(1.0, 1.0, 1.9),
         direction: DVec3::NEG_Z,

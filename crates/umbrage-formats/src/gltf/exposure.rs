@@ -6,6 +6,9 @@
 //! those values on its material, clipped, and `COLOR_0` the ratio to it. For a plain lamp (`rho = 0`) this is
 //! `COLOR_0 = 1` and base colour `k L` clipped; for a lamp that also reflects, the product is still exact up to clipping.
 //!
+//! With an image on it, a surface that reflects shows base colour times image times light, and one that emits by an image shows
+//! that image, times `k` and cut off at white, and nothing of what it reflects.
+//!
 //! `k` is one over the value of `E / pi`, brightest channel, that 99.5 % of the area of all reflecting surfaces stays
 //! below: spots close to a lamp may clip, and do not darken the rest.
 
@@ -68,7 +71,13 @@ pub(super) fn base_colours(scene: &Scene, baked: &BakedMesh, k: f64) -> Table<Ma
     let pairs = scene.materials.iter().zip(&brightest);
     pairs
         .map(|(material, &most)| {
-            if material.emits() { emitted_and_reflected(material, most, k).min(Rgb::ONE) } else { material.reflectance }
+            let base = match (material.emits(), &material.look.texture) {
+                (true, Some(texture)) => k * texture.factor,
+                (true, None) => emitted_and_reflected(material, most, k),
+                (false, Some(texture)) => texture.factor,
+                (false, None) => material.reflectance,
+            };
+            base.min(Rgb::ONE)
         })
         .collect()
 }
@@ -78,6 +87,9 @@ pub(super) fn colour(material: &Material, base: Rgb, irradiance: Rgb, k: f64) ->
     if !material.emits() {
         return irradiance * (k / PI);
     }
+    if material.look.texture.is_some() {
+        return Rgb::ONE;
+    }
     let wanted = emitted_and_reflected(material, irradiance, k);
     // A channel that neither emits nor reflects is black by its base colour.
     Rgb::select(base.cmpgt(Rgb::ZERO), wanted / base, Rgb::ONE)
@@ -85,6 +97,17 @@ pub(super) fn colour(material: &Material, base: Rgb, irradiance: Rgb, k: f64) ->
 
 fn emitted_and_reflected(material: &Material, irradiance: Rgb, k: f64) -> Rgb {
     k * (material.radiance + material.reflectance * irradiance / PI)
+}
+
+/// The mean of `COLOR_0` over all that only reflects, at most white.
+pub(super) fn mean_colour(scene: &Scene, baked: &BakedMesh, k: f64) -> Rgb {
+    let mean = |channel: usize| {
+        let all = values(scene, baked, false, |_, e| Rgb::splat((k * e[channel] / PI).min(1.0)));
+        let area: f64 = all.iter().map(|(_, area)| area).sum();
+        let sum: f64 = all.iter().map(|(value, area)| value * area).sum();
+        if area > 0.0 { sum / area } else { 1.0 }
+    };
+    Rgb::new(mean(0), mean(1), mean(2))
 }
 
 /// The irradiance at a vertex, in W/m2.

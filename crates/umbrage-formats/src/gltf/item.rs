@@ -57,6 +57,11 @@ impl<'a> Item<'a> {
         self.object.get(key).filter(|value| !value.is_null())
     }
 
+    /// A property as a JSON text, of whatever kind.
+    pub(super) fn json(&self, key: &str) -> Option<String> {
+        self.get(key).map(Value::to_string)
+    }
+
     /// A count, an offset or an index. Whole numbers written as `3.0` are taken.
     pub(super) fn whole(&self, key: &str) -> Result<Option<usize>, FormatError> {
         self.get(key).map(|value| whole(value).ok_or_else(|| self.bad(key, "should be a whole number"))).transpose()

@@ -2,39 +2,155 @@
 //!
 //! Everything is taken as diffuse: the metallic factor is ignored (files leave it at 1), so are gloss, clear coats and
 //! their like. The reflectance is capped in each channel, since a white closed room has no solution.
+//!
+//! What a textured material reflects, or emits, depends on the part of the image that a primitive shows, and on the colours
+//! of its vertices. So a material of the file becomes a material of the scene for each different outcome; the first takes
+//! its number, and all have its name.
 
-use umbrage::scene::{Material, Rgb};
+use std::collections::BTreeMap;
 
+use umbrage::id::{MaterialId, Table};
+use umbrage::scene::{Alpha, Look, Material, Rgb, Texture};
+
+use super::base_texture::BaseTexture;
 use super::document::{Document, List};
 use super::item::Item;
 use super::tally::Tally;
 use crate::FormatError;
 
-/// Texture slots by the object that holds them.
-const TEXTURES: [(&str, &[&str]); 3] = [
-    ("", &["emissiveTexture"]),
-    ("pbrMetallicRoughness", &["baseColorTexture"]),
-    ("KHR_materials_pbrSpecularGlossiness", &["diffuseTexture"]),
-];
+/// What glTF gives a mask that says nothing.
+const DEFAULT_CUTOFF: f64 = 0.5;
 
-/// All materials of a document, in order, named by number if they have no name.
-pub(super) fn materials(
-    document: &Document,
-    max_reflectance: f64,
-    tally: &mut Tally,
-) -> Result<Vec<Material>, FormatError> {
-    let all = 0..document.count(List::Materials)?;
-    all.map(|index| {
-        let item = document.item(List::Materials, index, "the document")?;
-        let name = item.name().map_or_else(|| format!("material {index}"), str::to_owned);
-        read(&item, name, max_reflectance, tally)
-    })
-    .collect()
+/// A material of the file.
+#[derive(Debug)]
+pub(super) struct GltfMaterial {
+    /// As the file has it, without textures; not capped.
+    plain: Material,
+    /// The texture of its base colour.
+    pub(super) base: Option<BaseTexture>,
+    /// The texture of its emission.
+    pub(super) emission: Option<BaseTexture>,
+    /// Whether light passes through unchanged.
+    pub(super) is_see_through: bool,
+}
+
+impl GltfMaterial {
+    /// Whether the alpha of its image says what is seen of it.
+    pub(super) fn has_alpha(&self) -> bool {
+        self.plain.look.alpha != Alpha::Opaque
+    }
+
+    /// What it emits without texture, in W/(m2 sr).
+    pub(super) fn radiance(&self) -> Rgb {
+        self.plain.radiance
+    }
+
+    /// Its base colour without texture.
+    pub(super) fn base_color(&self) -> Rgb {
+        self.plain.reflectance
+    }
+}
+
+/// What of a material is different from primitive to primitive.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shown {
+    /// What its texture multiplies the base colour with.
+    pub(super) reflects: Rgb,
+    /// What the colour of the vertices multiplies the reflectance with.
+    pub(super) tint: Rgb,
+    /// What the emission is multiplied with.
+    pub(super) emits: Rgb,
+    /// What is seen on it.
+    pub(super) texture: Option<Texture>,
+}
+
+/// The materials of the file, and those of the scene that they have become.
+#[derive(Debug)]
+pub(super) struct Materials {
+    pub(super) of_file: Vec<GltfMaterial>,
+    /// Those of the scene, the file's first.
+    pub(super) all: Table<MaterialId, Material>,
+    /// By the file's number and the bits of what is different.
+    known: BTreeMap<(usize, [u64; 6], Option<usize>), MaterialId>,
+    /// The material of the scene that each of the file's becomes first, until it has.
+    free: Vec<Option<MaterialId>>,
+    /// Whether each of the file's reflects more than the cap somewhere.
+    capped: Vec<bool>,
+    cap: Rgb,
+    default: Option<usize>,
+}
+
+impl Materials {
+    /// All materials of a document, in order, named by number if they have no name.
+    pub(super) fn read(document: &Document, max_reflectance: f64, tally: &mut Tally) -> Result<Self, FormatError> {
+        let cap = Rgb::splat(max_reflectance.clamp(0.0, 1.0));
+        let mut of_file = Vec::new();
+        for index in 0..document.count(List::Materials)? {
+            let item = document.item(List::Materials, index, "the document")?;
+            let name = item.name().map_or_else(|| format!("material {index}"), str::to_owned);
+            of_file.push(read(document, &item, name, tally)?);
+        }
+        let plain = |material: &GltfMaterial| Material {
+            reflectance: material.plain.reflectance.min(cap),
+            ..material.plain.clone()
+        };
+        let all: Table<MaterialId, Material> = of_file.iter().map(plain).collect();
+        let free = all.keys().map(Some).collect();
+        let exceeds = |material: &GltfMaterial| material.base.is_none() && material.plain.reflectance.cmpgt(cap).any();
+        let capped = of_file.iter().map(exceeds).collect();
+        Ok(Self { free, capped, of_file, all, known: BTreeMap::new(), cap, default: None })
+    }
+
+    /// The number of what glTF gives a primitive without a material: white, here up to the cap.
+    pub(super) fn default(&mut self) -> usize {
+        *self.default.get_or_insert_with(|| {
+            let plain = Material::diffuse("default", Rgb::ONE);
+            let first = Material { reflectance: self.cap, ..plain.clone() };
+            self.free.push(Some(self.all.push_and_get_key(first)));
+            self.capped.push(plain.reflectance.cmpgt(self.cap).any());
+            self.of_file.push(GltfMaterial { plain, base: None, emission: None, is_see_through: false });
+            self.of_file.len() - 1
+        })
+    }
+
+    /// The material of the scene for a material of the file as a primitive shows it.
+    pub(super) fn shown(&mut self, number: usize, shown: Shown) -> MaterialId {
+        let Shown { reflects, tint, emits, texture } = shown;
+        let bits = [reflects * tint, emits].map(|colour| colour.to_array().map(f64::to_bits));
+        let key =
+            (number, [bits[0], bits[1]].as_flattened().try_into().unwrap_or([0; 6]), texture.map(|t| t.image.index()));
+        if let Some(&known) = self.known.get(&key) {
+            return known;
+        }
+        let plain = &self.of_file[number].plain;
+        let uncapped = plain.reflectance * reflects;
+        self.capped[number] |= uncapped.cmpgt(self.cap).any();
+        let material = Material {
+            reflectance: uncapped.min(self.cap) * tint,
+            radiance: plain.radiance * emits,
+            look: Look { texture, ..plain.look.clone() },
+            ..plain.clone()
+        };
+        let id = match self.free[number].take() {
+            Some(first) => {
+                self.all[first] = material;
+                first
+            }
+            None => self.all.push_and_get_key(material),
+        };
+        self.known.insert(key, id);
+        id
+    }
+
+    /// How many of the file's reflect more than the cap somewhere.
+    pub(super) fn capped_count(&self) -> usize {
+        self.capped.iter().filter(|capped| **capped).count()
+    }
 }
 
 /// Whether a material blocks nothing: it is blended (`alphaMode` BLEND), and not opaque all the same. Exporters write BLEND
 /// for much that has neither an alpha below 1 nor a texture that could have one.
-pub(super) fn is_transparent(item: &Item<'_>) -> Result<bool, FormatError> {
+fn is_see_through(item: &Item<'_>) -> Result<bool, FormatError> {
     if item.text("alphaMode")? != Some("BLEND") {
         return Ok(false);
     }
@@ -52,19 +168,21 @@ pub(super) fn is_transparent(item: &Item<'_>) -> Result<bool, FormatError> {
     Ok(false)
 }
 
-/// What glTF gives a primitive without a material: white, here up to the cap.
-pub(super) fn default(max_reflectance: f64, tally: &mut Tally) -> Material {
-    Material::diffuse("default", capped(Rgb::ONE, max_reflectance, tally))
-}
-
-fn read(item: &Item<'_>, name: String, max_reflectance: f64, tally: &mut Tally) -> Result<Material, FormatError> {
+fn read(document: &Document, item: &Item<'_>, name: String, tally: &mut Tally) -> Result<GltfMaterial, FormatError> {
     let metallic = item.child("pbrMetallicRoughness")?;
     let glossy = item.extension("KHR_materials_pbrSpecularGlossiness")?;
-    let base = match (&glossy, &metallic) {
-        (Some(glossy), _) => colour::<4>(glossy, "diffuseFactor")?,
-        (None, Some(metallic)) => colour::<4>(metallic, "baseColorFactor")?,
-        (None, None) => None,
+    let (holder, factor, slot) = match (glossy, metallic) {
+        (Some(glossy), _) => (Some(glossy), "diffuseFactor", "diffuseTexture"),
+        (None, metallic) => (metallic, "baseColorFactor", "baseColorTexture"),
     };
+    let (mut base, mut alpha, mut texture) = (Rgb::ONE, 1.0, None);
+    if let Some(holder) = &holder {
+        if let Some([.., a]) = holder.numbers::<4>(factor)? {
+            alpha = a.clamp(0.0, 1.0);
+        }
+        base = colour::<4>(holder, factor)?.unwrap_or(base);
+        texture = usable(BaseTexture::in_slot(document, holder, slot), tally);
+    }
     let emission = colour::<3>(item, "emissiveFactor")?.unwrap_or(Rgb::ZERO);
     let strength = match item.extension("KHR_materials_emissive_strength")? {
         Some(extension) => {
@@ -80,19 +198,30 @@ fn read(item: &Item<'_>, name: String, max_reflectance: f64, tally: &mut Tally) 
     if !radiance.is_finite() {
         return Err(item.bad("emissiveFactor", "is too large"));
     }
+    let is_see_through = is_see_through(item)?;
+    let alpha = match item.text("alphaMode")? {
+        Some("MASK") => {
+            let cutoff = item.number("alphaCutoff")?.unwrap_or(DEFAULT_CUTOFF).max(0.0);
+            Alpha::Mask { alpha, cutoff }
+        }
+        _ if is_see_through => Alpha::Blend { alpha },
+        _ => Alpha::Opaque,
+    };
+    tally.masked_materials += usize::from(matches!(alpha, Alpha::Mask { .. }));
+    let emission = (radiance != Rgb::ZERO)
+        .then(|| usable(BaseTexture::in_slot(document, item, "emissiveTexture"), tally))
+        .flatten();
+    let look = Look { texture: None, alpha, extras: item.json("extras") };
+    let plain = Material { radiance, double_sided: item.flag("doubleSided")?, look, ..Material::diffuse(name, base) };
+    Ok(GltfMaterial { plain, base: texture, emission, is_see_through })
+}
 
-    for (holder, slots) in TEXTURES {
-        let holder = match holder {
-            "" => Some(item.clone()),
-            "pbrMetallicRoughness" => metallic.clone(),
-            _ => glossy.clone(),
-        };
-        tally.textures += slots.iter().filter(|slot| holder.as_ref().is_some_and(|h| h.get(slot).is_some())).count();
-    }
-    tally.masked_materials += usize::from(item.text("alphaMode")? == Some("MASK"));
-
-    let reflectance = capped(base.unwrap_or(Rgb::ONE), max_reflectance, tally);
-    Ok(Material { name, reflectance, radiance, double_sided: item.flag("doubleSided")? })
+/// A texture, unless something is wrong with it, or its image is only there in a format that is not read.
+fn usable(texture: Result<Option<BaseTexture>, FormatError>, tally: &mut Tally) -> Option<BaseTexture> {
+    texture.unwrap_or_else(|why| {
+        tally.texture_ignored(why.to_string());
+        None
+    })
 }
 
 /// A colour of three channels, or of four of which the last is alpha.
@@ -103,15 +232,4 @@ fn colour<const N: usize>(item: &Item<'_>, key: &str) -> Result<Option<Rgb>, For
         return Err(item.bad(key, format!("is {colour}, and should not be negative")));
     }
     Ok(Some(colour))
-}
-
-/// A material times the colour of the vertices.
-pub(super) fn tinted(material: &Material, colour: Rgb) -> Material {
-    Material { reflectance: material.reflectance * colour, ..material.clone() }
-}
-
-fn capped(colour: Rgb, max_reflectance: f64, tally: &mut Tally) -> Rgb {
-    let cap = Rgb::splat(max_reflectance.clamp(0.0, 1.0));
-    tally.capped_materials += usize::from(colour.cmpgt(cap).any());
-    colour.min(cap)
 }

@@ -1,9 +1,9 @@
 //! glTF 2.0: scenes in, baked GLB out and in again.
 //!
 //! ```text
-//! container, item -> buffer -> document -> accessor, tally -> material, node, primitive -> read
-//!                                                          base_texture, camera, node, primitive -> read_baked
-//! container, write_buffer, exposure -> write
+//! container, item -> buffer -> document -> accessor, tally -> base_texture -> material, node, primitive -> texture -> read
+//!                                                                          camera, node, primitive -> read_baked
+//! container, write_buffer, exposure -> write_material, write_camera, see_through -> write
 //! ```
 
 mod accessor;
@@ -20,9 +20,13 @@ mod node;
 mod primitive;
 mod read;
 mod read_baked;
+mod see_through;
 mod tally;
+mod texture;
 mod write;
 mod write_buffer;
+mod write_camera;
+mod write_material;
 
 pub(crate) use container::MAGIC;
 pub(crate) use read::read;

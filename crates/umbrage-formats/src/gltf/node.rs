@@ -154,6 +154,13 @@ pub(super) fn instances(
     (0..count).map(one).collect::<Result<_, _>>().map(Some)
 }
 
+/// What turns normals with a surface: the inverse transpose, up to a positive factor.
+pub(super) fn normal_matrix(world: &DAffine3) -> DMat3 {
+    let m = world.matrix3;
+    let cofactors = DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
+    if m.determinant() < 0.0 { cofactors * -1.0 } else { cofactors }
+}
+
 fn refused(node: &Item<'_>, what: impl Into<String>) -> FormatError {
     FormatError::BadHierarchy { file: node.file.to_owned(), place: node.place.clone(), what: what.into() }
 }

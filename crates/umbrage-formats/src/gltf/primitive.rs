@@ -3,12 +3,14 @@
 //! Only the vertices that are referred to are taken, in the order of their numbers: exporters often let a hundred
 //! primitives share one table. Triangles without area are left for `prepare`, which counts them.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 use umbrage::scene::Rgb;
 
 use super::accessor::{Accessor, Component};
+use super::base_texture::BaseTexture;
 use super::document::{Document, compressed};
 use super::item::Item;
+use super::node;
 use super::tally::{PRIMITIVE_COST, Tally};
 use crate::FormatError;
 
@@ -16,8 +18,10 @@ use crate::FormatError;
 const TRIANGLES: usize = 4;
 const STRIP: usize = 5;
 const FAN: usize = 6;
-/// Types of positions, with `KHR_mesh_quantization`.
+/// Types of positions and texture coordinates, with `KHR_mesh_quantization`.
 const POSITIONS: [Component; 5] = [Component::F32, Component::I8, Component::U8, Component::I16, Component::U16];
+/// Types of normals, with `KHR_mesh_quantization`.
+const NORMALS: [Component; 3] = [Component::F32, Component::I8, Component::I16];
 /// Types of colours.
 const COLOURS: [Component; 3] = [Component::F32, Component::U8, Component::U16];
 /// Types of indices.
@@ -28,6 +32,10 @@ const INDICES: [Component; 3] = [Component::U8, Component::U16, Component::U32];
 pub(super) struct Polygons {
     /// World space, metres.
     pub(super) positions_m: Vec<DVec3>,
+    /// Unit normals as the file has them, of each position; empty where it has none.
+    pub(super) normals: Vec<DVec3>,
+    /// The numbers that the positions have in the file.
+    pub(super) used: Vec<u32>,
     /// Indices into the positions, counter-clockwise seen from the front.
     pub(super) triangles: Vec<[u32; 3]>,
     /// What the colours of the vertices multiply the reflectance with.
@@ -75,7 +83,53 @@ pub(super) fn polygons(
     if let Some(colours) = colours {
         polygons.colour = average_colour(&colours, &used, &polygons, tally);
     }
+    polygons.normals = normals(document, attributes.as_ref(), place, &used, world, tally)?;
+    polygons.used = used;
     Ok(Some(polygons))
+}
+
+/// The normals of the vertices that are used, in the world; none where the file has not one for each.
+fn normals(
+    document: &Document,
+    attributes: Option<&Item<'_>>,
+    place: &str,
+    used: &[u32],
+    world: &DAffine3,
+    tally: &mut Tally,
+) -> Result<Vec<DVec3>, FormatError> {
+    let Some(normal) = attributes.map(|a| a.whole("NORMAL")).transpose()?.flatten() else { return Ok(Vec::new()) };
+    let normals = Accessor::open(document, normal, &format!("{place}, NORMAL"), &[3], &NORMALS)?;
+    tally.unfold(normals.sparse_count(), document, place)?;
+    let turn = node::normal_matrix(world);
+    let one = |&vertex: &u32| {
+        let vertex = vertex as usize;
+        let normal = (vertex < normals.count).then(|| turn * DVec3::from(normals.element::<3>(vertex, 0.0)));
+        normal.and_then(DVec3::try_normalize)
+    };
+    Ok(used.iter().map(one).collect::<Option<_>>().unwrap_or_default())
+}
+
+/// The places in a texture's image of the vertices that are used; nothing where the primitive has not one for each.
+pub(super) fn places_in_texture(
+    document: &Document,
+    primitive: &Item<'_>,
+    place: &str,
+    texture: &BaseTexture,
+    used: &[u32],
+    tally: &mut Tally,
+) -> Result<Option<Vec<DVec2>>, FormatError> {
+    let key = format!("TEXCOORD_{}", texture.set);
+    let index = primitive.child("attributes")?.map(|a| a.whole(&key)).transpose()?.flatten();
+    let Some(index) = index else { return Ok(None) };
+    let coordinates = Accessor::open(document, index, &format!("{place}, {key}"), &[2], &POSITIONS)?;
+    tally.unfold(coordinates.sparse_count(), document, place)?;
+    let one = |&vertex: &u32| {
+        let vertex = vertex as usize;
+        (vertex < coordinates.count)
+            .then(|| texture.place(coordinates.element::<2>(vertex, 0.0)))
+            .filter(|place| place.as_vec2().is_finite())
+    };
+    Ok(used.iter().map(one).collect())
 }
 
 /// The colour of a primitive's vertices, averaged over its area where it varies. Channels are cut to 0 to 1.
@@ -191,5 +245,5 @@ fn place_in_world(
         // Every vertex is in the list, which is no longer than the vertices, whose numbers fit.
         *vertex = used.partition_point(|other| other < vertex) as u32;
     }
-    Ok(Polygons { positions_m, triangles, colour: Rgb::ONE })
+    Ok(Polygons { positions_m, normals: Vec::new(), used: Vec::new(), triangles, colour: Rgb::ONE })
 }

@@ -4,21 +4,23 @@
 //! that shows its mesh, already in world space. Colours of vertices multiply the reflectance, as one colour for a primitive;
 //! what is blended (`alphaMode` BLEND) blocks nothing and is left out. Units stay as glTF has them: metres, +Y up, linear colours.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
+use glam::DVec2;
 use umbrage::id::{MaterialId, NodeId};
 use umbrage::scene::{Node, Rgb, Scene, Surface};
 
 use super::document::{Document, List};
 use super::item::Item;
+use super::material::{Materials, Shown};
 use super::node::{self, Placed};
+use super::primitive::Polygons;
 use super::tally::Tally;
-use super::{lamp, material, primitive};
+use super::texture::{Images, ShownTexture};
+use super::{camera, lamp, primitive};
 use crate::{FormatError, LampUnits, ReadOptions, Warning};
 
-/// Extensions that are read, that only concern what has a warning of its own (textures), or that only add gloss
-/// to a surface, which is taken as diffuse anyway.
+/// Extensions that are read, that only concern what has a warning of its own, or that only add gloss to a surface, which is taken as diffuse anyway.
 const KNOWN_EXTENSIONS: [&str; 21] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -49,23 +51,37 @@ pub(crate) fn read(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> Result
     let mut tally = Tally::default();
     tally.unknown_extensions = unknown_extensions(&document)?;
     tally.animations = document.root()?.list("animations")?.len();
+    let materials = Materials::read(&document, options.max_reflectance, &mut tally)?;
     let mut reader = Reader {
         document: &document,
         options,
         tally,
         scene: Scene { name: scene_name(&document, path)?, ..Scene::default() },
-        default_material: None,
-        tinted_materials: BTreeMap::new(),
+        materials,
+        images: Images::default(),
     };
-    let materials = material::materials(&document, options.max_reflectance, &mut reader.tally)?;
-    reader.scene.materials.extend(materials);
 
     let placed = node::hierarchy(&document, &mut reader.tally)?;
     let mut ids: Vec<NodeId> = Vec::with_capacity(placed.len());
     for node in &placed {
         let parent = node.parent.map(|parent| ids[parent]);
-        ids.push(reader.node(node, parent)?);
+        let id = reader.node(node, parent)?;
+        match camera::of_node(&document, node, id) {
+            Ok(camera) => reader.scene.cameras.extend(camera),
+            Err(_) => reader.tally.bad_cameras += 1,
+        }
+        ids.push(id);
     }
+    let extras = document.root()?.whole("scene")?.map(|scene| document.item(List::Scenes, scene, "the document"));
+    reader.scene.extras = extras.transpose()?.and_then(|scene| scene.json("extras"));
+    let asset = document.root()?.child("asset")?;
+    if let Some(asset) = &asset {
+        reader.scene.asset_extras = asset.json("extras");
+        reader.scene.copyright = asset.text("copyright")?.map(str::to_owned);
+    }
+    reader.tally.capped_materials = reader.materials.capped_count();
+    reader.scene.materials = reader.materials.all;
+    reader.scene.images = reader.images.all;
     reader.tally.blender_lamps = blender_lamps(&document, &reader.scene, options)?;
     Ok((reader.scene, reader.tally.warnings(options.max_reflectance)))
 }
@@ -76,10 +92,8 @@ struct Reader<'a> {
     options: &'a ReadOptions,
     tally: Tally,
     scene: Scene,
-    /// For primitives without a material, once there is one.
-    default_material: Option<MaterialId>,
-    /// By material and the bits of the vertices' colour.
-    tinted_materials: BTreeMap<(MaterialId, [u64; 3]), MaterialId>,
+    materials: Materials,
+    images: Images,
 }
 
 impl Reader<'_> {
@@ -100,6 +114,7 @@ impl Reader<'_> {
         };
         let shown = mesh.as_ref().filter(|_| instances.is_none());
         let node = self.push_node(item.name(), parent, shown)?;
+        self.scene.nodes[node].extras = item.json("extras");
         if let Some(mesh) = &mesh {
             match instances {
                 None => self.mesh(mesh, &item.place, node, &placed.world)?,
@@ -123,12 +138,14 @@ impl Reader<'_> {
         mesh: Option<&Item<'_>>,
     ) -> Result<NodeId, FormatError> {
         let mesh_name = mesh.and_then(Item::name);
-        if let (Some(name), Some(mesh)) = (mesh_name, mesh) {
-            // A long name shown by many nodes takes memory too.
-            self.tally.unfold(name.len(), self.document, &mesh.place)?;
+        let mesh_extras = mesh.and_then(|mesh| mesh.json("extras"));
+        if let Some(mesh) = mesh {
+            // Long names and extras shown by many nodes take memory too.
+            let length = mesh_name.map_or(0, str::len) + mesh_extras.as_ref().map_or(0, String::len);
+            self.tally.unfold(length, self.document, &mesh.place)?;
         }
         let (name, mesh_name) = (name.map(str::to_owned), mesh_name.map(str::to_owned));
-        Ok(self.scene.nodes.push_and_get_key(Node { name, parent, mesh_name }))
+        Ok(self.scene.nodes.push_and_get_key(Node { name, parent, mesh_name, extras: None, mesh_extras }))
     }
 
     /// Adds the surfaces of a mesh that a node shows.
@@ -144,48 +161,61 @@ impl Reader<'_> {
             let place = format!("{shown_by}, {}, primitive {number}", mesh.place);
             let polygons = primitive::polygons(self.document, &primitive, &place, world, &mut self.tally)?;
             let Some(polygons) = polygons else { continue };
-            let material = match primitive.whole("material")? {
+            let number = match primitive.whole("material")? {
                 Some(index) => {
-                    let item = self.document.item(List::Materials, index, &place)?;
-                    if material::is_transparent(&item)? {
-                        self.tally.blended_polygons += polygons.triangles.len();
-                        continue;
-                    }
-                    MaterialId::from(index)
+                    self.document.item(List::Materials, index, &place)?;
+                    index
                 }
-                None => self.default_material(),
+                None => self.materials.default(),
             };
-            let material = self.tinted_material(material, polygons.colour);
-            let polygon_lists = polygons.triangles.iter().map(|triangle| triangle.to_vec()).collect();
-            self.scene.surfaces.push(Surface {
-                node,
-                material,
+            let (material, uvs) = self.material(number, (&primitive, &place), &polygons)?;
+            let see_through = self.materials.of_file[number].is_see_through;
+            let surface = Surface {
                 positions_m: polygons.positions_m,
-                polygons: polygon_lists,
-            });
+                uvs,
+                normals: polygons.normals,
+                polygons: polygons.triangles.iter().map(|triangle| triangle.to_vec()).collect(),
+                ..Surface::new(node, material)
+            };
+            if see_through {
+                self.tally.blended_polygons += surface.polygons.len();
+                self.scene.see_through.push(surface);
+            } else {
+                self.scene.surfaces.push(surface);
+            }
         }
         Ok(())
     }
 
-    /// The material for a primitive whose vertices have a colour; it keeps its name.
-    fn tinted_material(&mut self, material: MaterialId, colour: Rgb) -> MaterialId {
-        if colour == Rgb::ONE {
-            return material;
-        }
-        let key = (material, colour.to_array().map(f64::to_bits));
-        if let Some(&tinted) = self.tinted_materials.get(&key) {
-            return tinted;
-        }
-        let tinted = self.scene.materials.push_and_get_key(material::tinted(&self.scene.materials[material], colour));
-        self.tinted_materials.insert(key, tinted);
-        tinted
-    }
-
-    fn default_material(&mut self) -> MaterialId {
-        *self.default_material.get_or_insert_with(|| {
-            let material = material::default(self.options.max_reflectance, &mut self.tally);
-            self.scene.materials.push_and_get_key(material)
-        })
+    /// The material of the scene for a primitive, and the places of its corners in the image that is seen on it: of its
+    /// emission if it emits by one, else of its base colour.
+    fn material(
+        &mut self,
+        number: usize,
+        primitive: (&Item<'_>, &str),
+        polygons: &Polygons,
+    ) -> Result<(MaterialId, Vec<DVec2>), FormatError> {
+        let Self { document, tally, materials, images, .. } = self;
+        let material = &materials.of_file[number];
+        let tint = polygons.colour;
+        let base = match &material.base {
+            Some(texture) => {
+                let of = (texture, material.base_color() * tint, material.has_alpha());
+                images.shown(document, of, primitive, polygons, tally)?
+            }
+            None => None,
+        };
+        let emission = match &material.emission {
+            Some(texture) => {
+                images.shown(document, (texture, material.radiance(), false), primitive, polygons, tally)?
+            }
+            None => None,
+        };
+        let mean = |shown: &Option<ShownTexture>| shown.as_ref().map_or(Rgb::ONE, |shown| shown.mean);
+        let (reflects, emits) = (mean(&base), mean(&emission));
+        let seen = if material.radiance() * emits != Rgb::ZERO { emission } else { base };
+        let (texture, uvs) = seen.map_or((None, Vec::new()), |seen| (Some(seen.texture), seen.uvs));
+        Ok((materials.shown(number, Shown { reflects, tint, emits, texture }), uvs))
     }
 }
 

@@ -6,7 +6,9 @@
 
 use std::path::Path;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
+use umbrage::id::NodeId;
+use umbrage::scene::{Camera, Lens};
 
 use super::accessor::{Accessor, Component};
 use super::base_texture::BaseTexture;
@@ -16,7 +18,7 @@ use super::item::Item;
 use super::node::{self, Placed};
 use super::primitive;
 use super::tally::{PRIMITIVE_COST, Tally};
-use crate::{BakedEmission, BakedFile, BakedFilePart, FormatError};
+use crate::{BakedCamera, BakedEmission, BakedFile, BakedFilePart, FormatError};
 
 /// Types of colours and normals.
 const ANY: [Component; 5] = [Component::F32, Component::I8, Component::U8, Component::I16, Component::U16];
@@ -44,7 +46,11 @@ pub(crate) fn read_baked(path: &Path, bytes: Vec<u8>) -> Result<BakedFile, Forma
         let mesh = document.item(List::Meshes, index, &node.item.place)?;
         for (number, primitive) in mesh.children("primitives", "primitive")?.enumerate() {
             let place = format!("{}, {}, primitive {number}", node.item.place, mesh.place);
-            let reader = PartReader { document: &document, node, mesh: &mesh, primitive: &primitive?, place };
+            let primitive = primitive?;
+            if is_passed_on(&document, &primitive, &place)? {
+                continue;
+            }
+            let reader = PartReader { document: &document, node, mesh: &mesh, primitive: &primitive, place };
             parts.push(reader.read(origin_m, &mut tally)?);
         }
     }
@@ -56,8 +62,34 @@ pub(crate) fn read_baked(path: &Path, bytes: Vec<u8>) -> Result<BakedFile, Forma
             images[texture.image] = document.image(texture.image, "a base colour texture")?;
         }
     }
-    let cameras = camera::cameras(&document, &placed)?;
+    let mut cameras = Vec::new();
+    for (number, node) in placed.iter().enumerate() {
+        cameras.extend(
+            camera::of_node(&document, node, NodeId::from(number))?.and_then(|camera| perspective(camera, &node.item)),
+        );
+    }
     Ok(BakedFile { name, origin_m, parts, cameras, images, exposure_k, extras: facts.object().clone() })
+}
+
+/// Whether a primitive took no part in the bake: it is blended, and has no irradiance.
+fn is_passed_on(document: &Document, primitive: &Item<'_>, place: &str) -> Result<bool, FormatError> {
+    let attributes = primitive.child("attributes")?;
+    let Some(material) = primitive.whole("material")? else { return Ok(false) };
+    let blended = document.item(List::Materials, material, place)?.text("alphaMode")? == Some("BLEND");
+    Ok(blended && attributes.is_none_or(|attributes| attributes.get("_IRRADIANCE").is_none()))
+}
+
+/// A camera for a picture: those that project in parallel are no use.
+fn perspective(camera: Camera, node: &Item<'_>) -> Option<BakedCamera> {
+    let Lens::Perspective { fov_y_rad, .. } = camera.lens else { return None };
+    let axes = camera.to_world.matrix3;
+    Some(BakedCamera {
+        name: node.name().map(str::to_owned).or(camera.name).unwrap_or_default(),
+        eye_m: camera.to_world.translation,
+        ahead: -axes.z_axis.normalize_or_zero(),
+        up: axes.y_axis.normalize_or_zero(),
+        fov_y_deg: fov_y_rad.to_degrees(),
+    })
 }
 
 /// A primitive, and where it stands.
@@ -92,10 +124,10 @@ impl PartReader<'_> {
         tally.unfold(count.saturating_add(PRIMITIVE_COST), self.document, &self.place)?;
 
         let plain = world == DAffine3::IDENTITY;
-        let turn = normal_matrix(&world);
+        let turn = node::normal_matrix(&world);
         let mirrored = world.matrix3.determinant() < 0.0;
         let uvs = match (&uvs, &material.texture) {
-            (Some(uvs), Some(texture)) => self.all(uvs, 0.0, |uv| texture.place(uv))?,
+            (Some(uvs), Some(texture)) => self.all(uvs, 0.0, |uv| texture.place(uv).as_vec2().into())?,
             _ => Vec::new(),
         };
         Ok(BakedFilePart {
@@ -112,6 +144,7 @@ impl PartReader<'_> {
             })?,
             color: self.all(&color, 1.0, |c: [f64; 4]| c.map(|c| c.clamp(0.0, 1.0) as f32))?,
             base_color: material.base_color,
+            cutoff: material.cutoff.filter(|_| material.texture.is_some()),
             texture: material.texture.map(|texture| texture.texture),
             uvs,
             emission: material.emission,
@@ -169,17 +202,30 @@ impl PartReader<'_> {
     fn material(&self) -> Result<Material, FormatError> {
         let white = [1.0; 4];
         let Some(index) = self.primitive.whole("material")? else {
-            return Ok(Material { name: String::new(), base_color: white, texture: None, emission: None });
+            return Ok(Material {
+                name: String::new(),
+                base_color: white,
+                texture: None,
+                cutoff: None,
+                emission: None,
+            });
         };
         let material = self.document.item(List::Materials, index, &self.place)?;
         let base = match material.child("pbrMetallicRoughness")? {
             Some(metallic) => metallic.numbers::<4>("baseColorFactor")?,
             None => None,
         };
+        let base = base.map_or(white, |base| base.map(|channel| channel.clamp(0.0, 1.0) as f32));
+        let cutoff = match material.text("alphaMode")? {
+            // The texture's alpha is multiplied with that of the base colour.
+            Some("MASK") => Some(material.number("alphaCutoff")?.unwrap_or(0.5) as f32 / base[3]),
+            _ => None,
+        };
         Ok(Material {
             name: material.name().unwrap_or_default().to_owned(),
-            base_color: base.map_or(white, |base| base.map(|channel| channel.clamp(0.0, 1.0) as f32)),
+            base_color: base,
             texture: BaseTexture::of(self.document, &material)?,
+            cutoff,
             emission: emission(&material)?,
         })
     }
@@ -190,6 +236,8 @@ struct Material {
     name: String,
     base_color: [f32; 4],
     texture: Option<BaseTexture>,
+    /// The least alpha of the texture that is shown.
+    cutoff: Option<f32>,
     emission: Option<BakedEmission>,
 }
 
@@ -200,11 +248,4 @@ fn emission(material: &Item<'_>) -> Result<Option<BakedEmission>, FormatError> {
     let Some(facts) = extras.child("umbrage")? else { return Ok(None) };
     let (radiance, reflectance) = (facts.numbers::<3>("radiance")?, facts.numbers::<3>("reflectance")?);
     Ok(radiance.zip(reflectance).map(|(radiance, reflectance)| BakedEmission { radiance, reflectance }))
-}
-
-/// What turns normals with a surface: the inverse transpose, up to a positive factor.
-fn normal_matrix(world: &DAffine3) -> DMat3 {
-    let m = world.matrix3;
-    let cofactors = DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
-    if m.determinant() < 0.0 { cofactors * -1.0 } else { cofactors }
 }

@@ -14,16 +14,19 @@ pub(super) struct Tally {
     pub(super) left_over_corners: usize,
     pub(super) no_positions: usize,
     pub(super) capped_materials: usize,
-    pub(super) textures: usize,
+    /// Uses of a texture that were left out, and why the first one was.
+    textures: (usize, String),
     pub(super) varying_colours: usize,
     /// Materials with `alphaMode` MASK.
     pub(super) masked_materials: usize,
-    /// Polygons of materials with `alphaMode` BLEND.
+    /// Polygons of materials with `alphaMode` BLEND, which are passed on as they are.
     pub(super) blended_polygons: usize,
     pub(super) skinned_nodes: usize,
     pub(super) morphed_primitives: usize,
     /// Lamps whose unit is doubtful beside surfaces that emit.
     pub(super) blender_lamps: usize,
+    /// Cameras that see nothing.
+    pub(super) bad_cameras: usize,
     pub(super) animations: usize,
     pub(super) nodes_outside: usize,
     /// Name, and whether it is required.
@@ -32,6 +35,14 @@ pub(super) struct Tally {
 }
 
 impl Tally {
+    /// Counts a use of a texture that is left out, and says why.
+    pub(super) fn texture_ignored(&mut self, why: String) {
+        if self.textures.0 == 0 {
+            self.textures.1 = why;
+        }
+        self.textures.0 += 1;
+    }
+
     /// Counts `corners` more, or whatever else takes memory or time as a corner does.
     pub(super) fn unfold(&mut self, corners: usize, document: &Document, place: &str) -> Result<(), FormatError> {
         self.corners = self.corners.saturating_add(corners as u64);
@@ -54,15 +65,19 @@ impl Tally {
         warn(self.points_and_lines, |primitives| Warning::PointsAndLines { primitives });
         warn(self.left_over_corners, |primitives| Warning::LeftOverCorners { primitives });
         warn(self.no_positions, |primitives| Warning::NoPositions { primitives });
-        warn(self.textures, |uses| Warning::TexturesIgnored { uses });
         warn(self.varying_colours, |primitives| Warning::VertexColoursAveraged { primitives });
         warn(self.masked_materials, |materials| Warning::AlphaIgnored { materials });
-        warn(self.blended_polygons, |polygons| Warning::TransparentLeftOut { polygons });
+        warn(self.blended_polygons, |polygons| Warning::BlendedPassedOn { polygons });
         warn(self.skinned_nodes, |nodes| Warning::SkinsAtRest { nodes });
         warn(self.morphed_primitives, |primitives| Warning::MorphTargetsIgnored { primitives });
         warn(self.blender_lamps, |lamps| Warning::LampsFromBlender { lamps });
+        warn(self.bad_cameras, |cameras| Warning::CamerasLeftOut { cameras });
         warn(self.animations, |animations| Warning::AnimationsIgnored { animations });
         warn(self.nodes_outside, |nodes| Warning::NodesOutsideScene { nodes });
+        let (uses, first) = self.textures;
+        if uses > 0 {
+            warnings.push(Warning::TexturesIgnored { uses, first });
+        }
         if self.capped_materials > 0 {
             warnings.push(Warning::ReflectanceCapped { materials: self.capped_materials, max_reflectance });
         }

@@ -4,20 +4,25 @@
 //! scene -> "umbrage" (translation = origin) -> the input's nodes, transforms identity -> a mesh per node
 //!                                                                     -> a primitive per surface
 //! ```
-//! Every primitive has POSITION, NORMAL, `COLOR_0` (what an unlit renderer multiplies the base colour with) and
-//! `_IRRADIANCE` (what measurements read, unclamped, W/m2). All materials are `KHR_materials_unlit`, one-sided, without
-//! emission; one that emits keeps its radiance and reflectance in its extras. Nodes and materials without triangles
-//! stay; meshes and primitives do not. No time, path or thread count enters: the same input gives the same bytes.
+//! Every primitive has POSITION, NORMAL, `COLOR_0` (what an unlit renderer multiplies the base colour with), `TEXCOORD_0`
+//! where there is an image on it, and `_IRRADIANCE` (what measurements read, unclamped, W/m2). All materials are
+//! `KHR_materials_unlit`; one that emits keeps its radiance and reflectance in its extras. What light passes through has no
+//! light of its own, and is shown in the mean of the scene's. Nodes and materials without triangles stay; meshes and
+//! primitives do not. Cameras and what applications have put beside things are passed on. No time, path or thread count enters: the same input gives the same bytes.
 
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
+use umbrage::id::{MaterialId, Table};
 use umbrage::scene::{Material, Rgb, Scene};
 use umbrage::shade::{BakedMesh, BakedPart};
 
 use super::container;
 use super::exposure;
+use super::see_through::SeeThrough;
 use super::write_buffer::WriteBuffer;
+use super::write_camera;
+use super::write_material::{Materials, put_facts, value_of};
 use crate::{FormatError, write_atomically};
 
 /// What is said about a bake in `asset.extras.umbrage`, and how it is shown.
@@ -90,6 +95,7 @@ fn encode(scene: &Scene, baked: &BakedMesh, facts: &BakeFacts, file: &str) -> Re
     let base_colours = exposure::base_colours(scene, baked, k);
 
     let mut buffer = WriteBuffer::default();
+    let materials = Materials::new(scene, &base_colours, &shown_materials(scene, baked), &mut buffer);
     let mut primitives: Vec<Vec<Value>> = vec![Vec::new(); scene.nodes.len()];
     let (mut vertices, mut clipped_vertices) = (0, 0);
     for part in baked.parts.iter().filter(|part| !part.triangles.is_empty()) {
@@ -97,40 +103,61 @@ fn encode(scene: &Scene, baked: &BakedMesh, facts: &BakeFacts, file: &str) -> Re
         let (colours, clipped) = colours(exposure::material_of(scene, part), base_colours[surface.material], part, k);
         vertices += part.positions_m.len();
         clipped_vertices += clipped;
+        let mut attributes = json!({
+            "POSITION": buffer.positions(&part.positions_m),
+            "NORMAL": buffer.vectors(&part.normals),
+            "COLOR_0": buffer.colours(&colours),
+            "_IRRADIANCE": buffer.vectors(&part.irradiance),
+        });
+        if scene.materials[surface.material].look.texture.is_some() && !part.uvs.is_empty() {
+            attributes["TEXCOORD_0"] = json!(buffer.coordinates(&part.uvs));
+        }
         primitives[usize::from(surface.node)].push(json!({
-            "attributes": {
-                "POSITION": buffer.positions(&part.positions_m),
-                "NORMAL": buffer.vectors(&part.normals),
-                "COLOR_0": buffer.colours(&colours),
-                "_IRRADIANCE": buffer.vectors(&part.irradiance),
-            },
+            "attributes": attributes,
             "indices": buffer.triangles(&part.triangles),
-            "material": usize::from(surface.material),
+            "material": materials.number_of[surface.material],
         }));
     }
+    let mean_light = exposure::mean_colour(scene, baked, k);
+    for surface in &scene.see_through {
+        if let Some(see_through) = SeeThrough::new(scene, surface, baked.origin_m) {
+            let primitive = see_through.primitive(&mut buffer, mean_light, materials.number_of[surface.material]);
+            primitives[usize::from(surface.node)].push(primitive);
+        }
+    }
     let (nodes, meshes) = nodes_and_meshes(scene, baked, primitives);
-    let materials: Vec<Value> =
-        scene.materials.iter().zip(&base_colours).map(|(material, &base)| unlit(material, base)).collect();
-
     let mut shown_scene = json!({"nodes": [0]});
     put_name(&mut shown_scene, Some(&scene.name));
-    let document = json!({
-        "asset": asset(facts, k),
+    put_extras(&mut shown_scene, scene.extras.as_deref());
+    let mut document = json!({
+        "asset": asset(scene, facts, k),
         "extensionsUsed": ["KHR_materials_unlit"],
         "scene": 0,
         "scenes": [shown_scene],
         "nodes": nodes,
         "meshes": meshes,
-        "materials": materials,
         "accessors": buffer.accessors,
         "bufferViews": buffer.views,
         "buffers": [{"byteLength": buffer.bytes.len()}],
     });
+    if !scene.cameras.is_empty() {
+        document["cameras"] = scene.cameras.iter().map(write_camera::lens).collect();
+    }
+    materials.put_into(&mut document);
     let bytes = container::glb(document.to_string().into_bytes(), buffer.bytes)
         .map_err(|bytes| FormatError::OutputTooLarge { file: file.to_owned(), bytes })?;
     let triangles = baked.triangle_count();
     let written = Written { bytes: bytes.len() as u64, exposure_k: k, triangles, vertices, clipped_vertices };
     Ok((bytes, written))
+}
+
+/// Which materials some primitive has.
+fn shown_materials(scene: &Scene, baked: &BakedMesh) -> Table<MaterialId, bool> {
+    let mut shown: Table<MaterialId, bool> = scene.materials.iter().map(|_| false).collect();
+    let parts = baked.parts.iter().filter(|part| !part.triangles.is_empty());
+    let surfaces = parts.map(|part| &scene.surfaces[part.surface]).chain(&scene.see_through);
+    surfaces.for_each(|surface| shown[surface.material] = true);
+    shown
 }
 
 /// What [`BakedMesh`] promises and a sound file needs.
@@ -181,38 +208,24 @@ fn nodes_and_meshes(scene: &Scene, baked: &BakedMesh, primitives: Vec<Vec<Value>
     for ((node, primitives), children) in scene.nodes.iter().zip(primitives).zip(&children[1..]) {
         let mut out = json!({});
         put_name(&mut out, node.name.as_deref());
+        put_extras(&mut out, node.extras.as_deref());
         put_children(&mut out, children);
         if !primitives.is_empty() {
             out["mesh"] = json!(meshes.len());
             let mut mesh = json!({"primitives": primitives});
             put_name(&mut mesh, node.mesh_name.as_deref());
+            put_extras(&mut mesh, node.mesh_extras.as_deref());
             meshes.push(mesh);
         }
         nodes.push(out);
     }
+    for (number, camera) in scene.cameras.iter().enumerate() {
+        write_camera::place(camera, number, baked.origin_m, &mut nodes);
+    }
     (nodes, meshes)
 }
 
-fn unlit(material: &Material, base: Rgb) -> Value {
-    let [red, green, blue] = base.to_array();
-    let mut out = json!({
-        "pbrMetallicRoughness": {
-            "baseColorFactor": [red, green, blue, 1.0],
-            // What the extension advises for renderers that do not know it.
-            "metallicFactor": 0.0,
-            "roughnessFactor": 1.0,
-        },
-        "extensions": {"KHR_materials_unlit": {}},
-    });
-    put_name(&mut out, Some(&material.name));
-    if material.emits() {
-        let (radiance, reflectance) = (material.radiance.to_array(), material.reflectance.to_array());
-        out["extras"] = json!({"umbrage": {"radiance": radiance, "reflectance": reflectance}});
-    }
-    out
-}
-
-fn asset(facts: &BakeFacts, k: f64) -> Value {
+fn asset(scene: &Scene, facts: &BakeFacts, k: f64) -> Value {
     let mut extras = facts.extras.clone();
     extras.insert("exposure".into(), json!(k));
     extras.remove("exposure_percentile");
@@ -222,12 +235,24 @@ fn asset(facts: &BakeFacts, k: f64) -> Value {
     extras.insert("residual".into(), json!(facts.residual));
     extras.insert("units".into(), json!("irradiance W/m2"));
     let generator = concat!("Umbrage ", env!("CARGO_PKG_VERSION"));
-    json!({"version": "2.0", "generator": generator, "extras": {"umbrage": extras}})
+    let mut asset = json!({"version": "2.0", "generator": generator});
+    if let Some(copyright) = &scene.copyright {
+        asset["copyright"] = json!(copyright);
+    }
+    put_extras(&mut asset, scene.asset_extras.as_deref());
+    put_facts(&mut asset["extras"], Value::Object(extras));
+    asset
 }
 
-fn put_name(object: &mut Value, name: Option<&str>) {
+pub(super) fn put_name(object: &mut Value, name: Option<&str>) {
     if let Some(name) = name.filter(|name| !name.is_empty()) {
         object["name"] = json!(name);
+    }
+}
+
+fn put_extras(object: &mut Value, extras: Option<&str>) {
+    if let Some(extras) = extras.and_then(value_of) {
+        object["extras"] = extras;
     }
 }
 

@@ -1,6 +1,7 @@
 //! The binary buffer of an output file, with its accessors and bufferViews.
 //!
-//! Every accessor has a bufferView of its own; all elements are multiples of four bytes long, so all of them lie aligned.
+//! Every accessor and every image has a bufferView of its own; all elements are multiples of four bytes long and images are
+//! filled up, so all of them lie aligned.
 
 use serde_json::{Value, json};
 
@@ -41,6 +42,23 @@ impl WriteBuffer {
     pub(super) fn colours(&mut self, colours: &[[u16; 4]]) -> usize {
         let accessor = json!({"componentType": U16, "type": "VEC4", "normalized": true});
         self.push(accessor, ARRAY_BUFFER, colours.as_flattened().iter().map(|x| x.to_le_bytes()), colours.len())
+    }
+
+    /// Adds texture coordinates.
+    pub(super) fn coordinates(&mut self, coordinates: &[[f32; 2]]) -> usize {
+        let accessor = json!({"componentType": F32, "type": "VEC2"});
+        let components = coordinates.as_flattened().iter().map(|x| x.to_le_bytes());
+        self.push(accessor, ARRAY_BUFFER, components, coordinates.len())
+    }
+
+    /// Adds the bytes of a file; returns the number of their bufferView.
+    pub(super) fn file(&mut self, bytes: &[u8]) -> usize {
+        let start = self.bytes.len();
+        self.bytes.extend(bytes);
+        // What follows must lie aligned.
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        self.views.push(json!({"buffer": 0, "byteOffset": start, "byteLength": bytes.len()}));
+        self.views.len() - 1
     }
 
     /// Adds the indices of triangles.

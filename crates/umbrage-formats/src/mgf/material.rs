@@ -66,7 +66,8 @@ impl Materials {
         *of_name += 1;
         let name = if *of_name == 1 { name.to_owned() } else { format!("{name} ({of_name})") };
         let radiance = emittance / PI;
-        let id = builder.material(Material { name, reflectance, radiance, double_sided: material.double_sided });
+        let double_sided = material.double_sided;
+        let id = builder.material(Material { radiance, double_sided, ..Material::diffuse(name, reflectance) });
         self.by_values.insert(key, id);
         id
     }

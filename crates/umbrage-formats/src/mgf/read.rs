@@ -9,7 +9,7 @@
 use std::path::Path;
 use std::rc::Rc;
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 use umbrage::id::{NodeId, SurfaceId};
 use umbrage::scene::Scene;
 
@@ -274,7 +274,7 @@ impl Reader {
                 return Ok(());
             };
             let polygon = (0..positions.len() as u32).collect();
-            Solid { positions, polygons: vec![polygon] }
+            Solid { positions, normals: Vec::new(), polygons: vec![polygon] }
         } else {
             let (solid, curved) = statement.solid()?;
             self.tally.curved_shapes += usize::from(curved);
@@ -284,7 +284,7 @@ impl Reader {
         self.add(place, solid)
     }
 
-    /// Takes a shape to the world, in the current object and material.
+    /// Takes a shape to the world, in the current object and material; a curved one with the normals of the curve.
     fn add(&mut self, place: Place<'_>, mut solid: Solid) -> Result<(), FormatError> {
         self.builder.budget.spend(solid.corners() as u64, place.file, || place.name())?;
         let world = self.world();
@@ -293,13 +293,17 @@ impl Reader {
         }
         let surface = self.current_surface(place)?;
         let mut numbers = Vec::with_capacity(solid.positions.len());
-        for position in solid.positions {
+        solid.normals.resize(solid.positions.len(), DVec3::ZERO);
+        for (position, normal) in solid.positions.into_iter().zip(solid.normals) {
             let position_m = world.transform_point3(position);
+            // Transforms of the format turn, and scale the same in all directions.
+            let normal = (world.matrix3 * normal).normalize_or_zero();
             if !position_m.is_finite() {
                 let value = format!("{position_m} in the world");
                 return Err(FormatError::NotFinite { file: place.file.to_owned(), place: place.name(), value });
             }
             numbers.push(self.builder.position(surface, position_m));
+            self.builder.corner(surface, normal, None);
         }
         for polygon in solid.polygons {
             self.builder.polygon(surface, polygon.into_iter().map(|i| numbers[i as usize]).collect());

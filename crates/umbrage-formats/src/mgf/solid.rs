@@ -12,6 +12,9 @@ use glam::DVec3;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Solid {
     pub(super) positions: Vec<DVec3>,
+    /// Unit normals of the curved surface at the positions, or against its fronts; zero where it has a tip; none for a shape
+    /// with plane sides.
+    pub(super) normals: Vec<DVec3>,
     pub(super) polygons: Vec<Vec<u32>>,
 }
 
@@ -26,18 +29,29 @@ impl Solid {
         self.polygons.iter_mut().for_each(|polygon| polygon.reverse());
     }
 
-    /// Adds a circle's corners, or one point where the radius is 0; the number of the first and how many there are.
-    fn circle(&mut self, centre: DVec3, [u, v]: [DVec3; 2], radius: f64, segments: usize) -> (u32, u32) {
+    /// Adds a circle's corners, or one point where the radius is 0; the number of the first and how many there are. The normals
+    /// are made of the direction away from the axis and that along it.
+    fn circle(
+        &mut self,
+        centre: DVec3,
+        [u, v]: [DVec3; 2],
+        radius: f64,
+        [away, along]: [f64; 2],
+        segments: usize,
+    ) -> (u32, u32) {
         let first = self.positions.len() as u32;
+        let axis = u.cross(v);
         if radius == 0.0 {
             self.positions.push(centre);
+            self.normals.push(if away.abs() < along.abs() { along.signum() * axis } else { DVec3::ZERO });
             return (first, 1);
         }
-        let corner = |k: usize| {
+        for k in 0..segments {
             let (sin, cos) = (TAU * k as f64 / segments as f64).sin_cos();
-            centre + radius * (cos * u + sin * v)
-        };
-        self.positions.extend((0..segments).map(corner));
+            let out = cos * u + sin * v;
+            self.positions.push(centre + radius * out);
+            self.normals.push((away * out + along * axis).normalize_or_zero());
+        }
         (first, segments as u32)
     }
 
@@ -83,7 +97,7 @@ pub(super) fn sphere(centre: DVec3, radius: f64, segments: usize) -> Solid {
             let (sin, cos) = (PI * i as f64 / bands as f64).sin_cos();
             let pole = i == 0 || i == bands;
             let ring = if pole { 0.0 } else { radius.abs() * sin };
-            solid.circle(centre - radius.abs() * cos * DVec3::Z, frame, ring, segments)
+            solid.circle(centre - radius.abs() * cos * DVec3::Z, frame, ring, [sin, -cos], segments)
         })
         .collect();
     circles.windows(2).for_each(|pair| solid.band(pair[0], pair[1]));
@@ -97,8 +111,9 @@ pub(super) fn sphere(centre: DVec3, radius: f64, segments: usize) -> Solid {
 pub(super) fn cone(ends: [DVec3; 2], radii: [f64; 2], segments: usize) -> Solid {
     let frame = frame(ends[1] - ends[0]);
     let mut solid = Solid::default();
-    let low = solid.circle(ends[0], frame, radii[0].abs(), segments);
-    let high = solid.circle(ends[1], frame, radii[1].abs(), segments);
+    let slope = [(ends[1] - ends[0]).length(), radii[0].abs() - radii[1].abs()];
+    let low = solid.circle(ends[0], frame, radii[0].abs(), slope, segments);
+    let high = solid.circle(ends[1], frame, radii[1].abs(), slope, segments);
     solid.band(low, high);
     if radii[0] + radii[1] < 0.0 {
         solid.turn_over();
@@ -111,11 +126,11 @@ pub(super) fn ring(centre: DVec3, normal: DVec3, [inner, outer]: [f64; 2], segme
     let frame = frame(normal);
     let mut solid = Solid::default();
     if inner == 0.0 {
-        let (first, count) = solid.circle(centre, frame, outer, segments);
+        let (first, count) = solid.circle(centre, frame, outer, [0.0, 1.0], segments);
         solid.polygons.push((first..first + count).collect());
     } else {
-        let low = solid.circle(centre, frame, outer, segments);
-        let high = solid.circle(centre, frame, inner, segments);
+        let low = solid.circle(centre, frame, outer, [0.0, 1.0], segments);
+        let high = solid.circle(centre, frame, inner, [0.0, 1.0], segments);
         solid.band(low, high);
     }
     solid
@@ -134,7 +149,7 @@ pub(super) fn torus(centre: DVec3, normal: DVec3, [inner, outer]: [f64; 2], segm
             // At an inner radius of 0 the innermost circle is a point, up to rounding.
             let ring = middle + tube * cos;
             let ring = if ring < 1e-12 * middle { 0.0 } else { ring };
-            solid.circle(centre + tube * sin * axis, frame, ring, segments)
+            solid.circle(centre + tube * sin * axis, frame, ring, [cos, sin], segments)
         })
         .collect();
     for i in 0..around {
@@ -153,7 +168,8 @@ pub(super) fn prism(face: &[DVec3], length: f64) -> Option<Solid> {
     let area: DVec3 = face.windows(2).map(|side| (side[0] - first).cross(side[1] - first)).sum();
     let normal = area.try_normalize()?;
     let n = face.len() as u32;
-    let mut solid = Solid { positions: face.to_vec(), polygons: vec![(0..n).collect(), (n..2 * n).rev().collect()] };
+    let polygons = vec![(0..n).collect(), (n..2 * n).rev().collect()];
+    let mut solid = Solid { positions: face.to_vec(), normals: Vec::new(), polygons };
     solid.positions.extend(face.iter().map(|p| *p - length * normal));
     let sides = (0..n).map(|i| {
         let next = (i + 1) % n;
@@ -194,6 +210,26 @@ mod tests {
         let edges: std::collections::BTreeSet<(u32, u32)> =
             solid.polygons.iter().flat_map(|p| (0..p.len()).map(|i| (p[i], p[(i + 1) % p.len()]))).collect();
         edges.iter().all(|&(a, b)| edges.contains(&(b, a)))
+    }
+
+    #[test]
+    fn normals_are_those_of_the_curve() {
+        let centre = DVec3::new(3.0, -2.0, 1.0);
+        let sphere = sphere(centre, -2.0, 12);
+        for (position, normal) in sphere.positions.iter().zip(&sphere.normals) {
+            assert!(normal.distance((position - centre) / 2.0) < 1e-12, "{position} {normal}");
+        }
+        // A cone of half a right angle, whose tip has none of its own.
+        let cone = cone([DVec3::ZERO, DVec3::Z], [1.0, 0.0], 12);
+        for (position, normal) in cone.positions.iter().zip(&cone.normals).take(12) {
+            assert!(normal.distance((position + DVec3::Z).normalize()) < 1e-12, "{position} {normal}");
+        }
+        assert_eq!(cone.normals[12], DVec3::ZERO);
+        let torus = torus(centre, DVec3::Y, [1.0, 3.0], 12);
+        for (position, normal) in torus.positions.iter().zip(&torus.normals) {
+            let out = (position - centre).with_y(0.0).normalize();
+            assert!(normal.distance(position - centre - 2.0 * out) < 1e-12, "{position} {normal}");
+        }
     }
 
     #[test]

@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use umbrage::id::MaterialId;
-use umbrage::scene::Material;
+use umbrage::scene::{Look, Material, Rgb};
 
 use super::mtl::{self, MtlMaterial};
+use super::texture::Textures;
 use crate::builder::SceneBuilder;
 use crate::warning::Unknown;
 use crate::{FormatError, Warning, beside};
@@ -29,7 +30,10 @@ pub(super) struct Materials {
     by_name: BTreeMap<String, Use>,
     without: Option<MaterialId>,
     missing: Vec<String>,
-    textures: usize,
+    /// The images on them.
+    pub(super) textures: Textures,
+    /// Textures of emission and opacity.
+    other_textures: usize,
     half_transparent: usize,
     warnings: Vec<Warning>,
 }
@@ -39,8 +43,8 @@ pub(super) struct Materials {
 pub(super) struct Libraries<'a> {
     path: &'a Path,
     read: BTreeSet<std::path::PathBuf>,
-    /// In the order in which they were first named.
-    materials: Vec<MtlMaterial>,
+    /// In the order in which they were first named, each with the folder of its library.
+    materials: Vec<(std::path::PathBuf, MtlMaterial)>,
     numbers: BTreeMap<String, usize>,
     warnings: Vec<Warning>,
 }
@@ -113,11 +117,12 @@ impl<'a> Libraries<'a> {
     ) -> Result<(), FormatError> {
         builder.budget.grow(bytes.len());
         let file = beside::folder(self.path).join(&relative).display().to_string();
+        let folder = relative.parent().unwrap_or(Path::new("")).to_path_buf();
         for material in mtl::read(&file, &bytes, |word| unknown.add(word))? {
             let next = self.materials.len();
             match *self.numbers.entry(material.name.clone()).or_insert(next) {
-                number if number < next => self.materials[number] = material,
-                _ => self.materials.push(material),
+                number if number < next => self.materials[number] = (folder.clone(), material),
+                _ => self.materials.push((folder.clone(), material)),
             }
         }
         self.read.insert(relative);
@@ -129,16 +134,27 @@ impl Materials {
     /// The materials of the libraries, in their order.
     pub(super) fn new(libraries: Libraries<'_>, builder: &mut SceneBuilder) -> Self {
         let mut materials = Self { warnings: libraries.warnings, ..Self::default() };
-        for material in libraries.materials {
-            let MtlMaterial { name, reflectance, radiance, opacity, textures, .. } = material;
-            materials.textures += textures;
+        for (folder, material) in libraries.materials {
+            let MtlMaterial { name, reflectance, radiance, opacity, texture, textures, .. } = material;
+            materials.other_textures += textures;
             if opacity <= 0.0 {
                 materials.by_name.insert(name, Use::Transparent);
                 continue;
             }
             materials.half_transparent += usize::from(opacity < 1.0);
-            let made = Material { name: name.clone(), reflectance, radiance, double_sided: false };
-            materials.by_name.insert(name, Use::Opaque(builder.material(made)));
+            let of = &mut materials.textures;
+            let shown = texture.as_ref().and_then(|t| of.load((libraries.path, &folder), t, reflectance, builder));
+            // What a material reflects is known once its surfaces are, where there is an image on it.
+            let (texture, known) = match (texture, shown) {
+                (Some(texture), Some(shown)) => (Some((texture, shown)), Rgb::ZERO),
+                _ => (None, reflectance),
+            };
+            let look = Look { texture: texture.as_ref().map(|texture| texture.1), ..Look::default() };
+            let id = builder.material(Material { radiance, look, ..Material::diffuse(name.clone(), known) });
+            if let Some((texture, shown)) = texture {
+                materials.textures.shows(id, texture, shown, reflectance);
+            }
+            materials.by_name.insert(name, Use::Opaque(id));
         }
         materials
     }
@@ -165,8 +181,11 @@ impl Materials {
         if let Some(first) = self.missing.first() {
             warnings.push(Warning::MaterialsMissing { materials: self.missing.len(), first: first.clone() });
         }
-        if self.textures > 0 {
-            warnings.push(Warning::TexturesIgnored { uses: self.textures });
+        let (unusable, why) = self.textures.ignored;
+        let uses = unusable + self.other_textures;
+        if uses > 0 {
+            let first = if unusable > 0 { why } else { "map_Ke and map_d are not read".into() };
+            warnings.push(Warning::TexturesIgnored { uses, first });
         }
         if self.half_transparent > 0 {
             warnings.push(Warning::AlphaIgnored { materials: self.half_transparent });

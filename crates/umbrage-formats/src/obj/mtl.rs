@@ -1,8 +1,8 @@
 //! A material library: what of it concerns a diffuse surface.
 //!
 //! `Kd` is the reflectance, `Ke` the radiance in W/(m2 sr). A material that is fully transparent (`d 0`, or `Tr 1` where
-//! there is no `d`) blocks nothing: its polygons are left out, counted. A half transparent one is opaque. Textures are
-//! counted and not read: a material without `Kd` is grey, as are most textures on average.
+//! there is no `d`) blocks nothing: its polygons are left out, counted. A half transparent one is opaque. `map_Kd` multiplies
+//! `Kd`; other textures are counted and not read. A material with neither is grey.
 
 use umbrage::scene::Rgb;
 
@@ -54,15 +54,39 @@ pub(super) struct MtlMaterial {
     pub(super) radiance: Rgb,
     /// `d`, or 1 - `Tr`: 1 is opaque.
     pub(super) opacity: f64,
-    /// Textures of colour, emission or opacity.
+    /// `map_Kd`.
+    pub(super) texture: Option<MtlTexture>,
+    /// Textures of emission or opacity, which are not read.
     pub(super) textures: usize,
+    says_reflectance: bool,
     opacity_is_d: bool,
+}
+
+/// An image that multiplies the colour of a material.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct MtlTexture {
+    /// The file, relative to the library.
+    pub(super) file: String,
+    /// What texture coordinates are multiplied with (`-s`), then moved by (`-o`).
+    pub(super) scale: [f64; 2],
+    pub(super) offset: [f64; 2],
+    /// Whether nothing begins anew beyond its border (`-clamp on`).
+    pub(super) clamp: bool,
 }
 
 impl MtlMaterial {
     fn new(name: String) -> Self {
         let reflectance = Rgb::splat(DEFAULT_REFLECTANCE);
-        Self { name, reflectance, radiance: Rgb::ZERO, opacity: 1.0, textures: 0, opacity_is_d: false }
+        Self {
+            name,
+            reflectance,
+            radiance: Rgb::ZERO,
+            opacity: 1.0,
+            texture: None,
+            textures: 0,
+            says_reflectance: false,
+            opacity_is_d: false,
+        }
     }
 }
 
@@ -87,7 +111,10 @@ pub(super) fn read(file: &str, bytes: &[u8], mut unknown: impl FnMut(&str)) -> R
         };
         match word {
             "Kd" | "Ke" if matches!(rest.split_ascii_whitespace().next(), Some("spectral" | "xyz")) => unknown(word),
-            "Kd" => material.reflectance = colour(place, word, rest)?,
+            "Kd" => {
+                material.reflectance = colour(place, word, rest)?;
+                material.says_reflectance = true;
+            }
             "Ke" => material.radiance = colour(place, word, rest)?,
             "d" | "Tr" => {
                 let mut words = words(rest).filter(|word| *word != "-halo");
@@ -98,11 +125,59 @@ pub(super) fn read(file: &str, bytes: &[u8], mut unknown: impl FnMut(&str)) -> R
                     material.opacity = 1.0 - value;
                 }
             }
-            "map_Kd" | "map_Ke" | "map_d" => material.textures += 1,
+            "map_Kd" => material.texture = texture(place, rest)?,
+            "map_Ke" | "map_d" => material.textures += 1,
             _ => unknown(word),
         }
     }
+    // An image says all of the colour where nothing else does.
+    for material in materials.iter_mut().filter(|m| m.texture.is_some() && !m.says_reflectance) {
+        material.reflectance = Rgb::ONE;
+    }
     Ok(materials)
+}
+
+/// The options of a texture, and its file, whose name may have spaces.
+fn texture(place: Place<'_>, mut rest: &str) -> Result<Option<MtlTexture>, FormatError> {
+    let mut texture = MtlTexture { file: String::new(), scale: [1.0; 2], offset: [0.0; 2], clamp: false };
+    while rest.starts_with('-') {
+        let (option, mut after) = keyword(rest);
+        let mut next = || {
+            let (word, others) = keyword(after);
+            after = others;
+            word
+        };
+        match option {
+            "-s" | "-o" | "-t" => {
+                // One to three numbers; the file's name may begin with a digit, so a number is what is one as a whole.
+                let mut numbers = [None; 3];
+                for number in &mut numbers {
+                    match keyword(after) {
+                        (word, others) if word.parse::<f64>().is_ok() => {
+                            *number = Some(place.finite(word)?);
+                            after = others;
+                        }
+                        _ => break,
+                    }
+                }
+                let of = if option == "-s" { &mut texture.scale } else { &mut texture.offset };
+                if option != "-t" {
+                    of.iter_mut().zip(numbers).for_each(|(of, number)| *of = number.unwrap_or(*of));
+                }
+            }
+            "-clamp" => texture.clamp = next() == "on",
+            "-mm" => {
+                next();
+                next();
+            }
+            _ => {
+                next();
+            }
+        }
+        rest = after;
+    }
+    texture.file = rest.to_owned();
+    Ok(Some(texture).filter(|texture| !texture.file.is_empty()))
 }
 
 /// Three channels, or one for all of them.
@@ -133,13 +208,26 @@ mod tests {
     #[test]
     fn colours_and_opacity() {
         let paint = one("Kd 0.1 0.2 0.3 # dark\nKe 5\nKs 1 1 1\nNs 10\nillum 2\nmap_Kd wood.png");
-        assert_eq!((paint.name.as_str(), paint.opacity, paint.textures), ("paint", 1.0, 1));
+        assert_eq!((paint.name.as_str(), paint.opacity, paint.textures), ("paint", 1.0, 0));
+        assert_eq!(paint.texture.map(|texture| texture.file), Some("wood.png".into()));
         assert_eq!((paint.reflectance, paint.radiance), (Rgb::new(0.1, 0.2, 0.3), Rgb::splat(5.0)));
         assert_eq!(one("").reflectance, Rgb::splat(DEFAULT_REFLECTANCE));
         for (text, opacity) in [("d 0.25", 0.25), ("Tr 1", 0.0), ("d 1\nTr 1", 1.0), ("Tr 1\nd 1", 1.0)] {
             assert_eq!(one(text).opacity, opacity, "{text}");
         }
         assert_eq!(one("d -halo 0.5").opacity, 0.5);
+    }
+
+    #[test]
+    fn textures_have_options_and_names_with_spaces() {
+        let texture = |text: &str| one(text).texture.unwrap();
+        let moved = texture("map_Kd -clamp on -s 2 3 1 -o 0.5 -bm 1 -mm 0 1 my wood 2.png");
+        let expected = MtlTexture { file: "my wood 2.png".into(), scale: [2.0, 3.0], offset: [0.5, 0.0], clamp: true };
+        assert_eq!(moved, expected);
+        assert_eq!(one("map_Kd a.png").reflectance, Rgb::ONE);
+        assert_eq!(one("map_Kd a.png\nKd 0.5 0.5 0.5").reflectance, Rgb::splat(0.5));
+        assert_eq!(texture("map_Kd -s 2 4.png").file, "4.png");
+        assert!(one("map_Kd").texture.is_none() && one("map_Kd -s 1 1 1").texture.is_none());
     }
 
     #[test]

@@ -2,14 +2,14 @@
 //!
 //! `o` and `g` become nodes, a group below its object; what stands in neither hangs from a node that is named like the
 //! file. The first pass takes the vertices and materials, the second the polygons, so that a polygon may come before its
-//! corners. Normals and texture coordinates are left; a face's front is where its corners run counter-clockwise. Units
+//! corners. A face's front is where its corners run counter-clockwise, whatever its normals say. Units
 //! are the caller's to say; nothing in an OBJ does.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
-use glam::DVec3;
-use umbrage::id::{NodeId, SurfaceId};
+use glam::{DVec2, DVec3};
+use umbrage::id::{MaterialId, NodeId, SurfaceId};
 use umbrage::scene::Scene;
 
 use super::material::{Libraries, Materials, Use};
@@ -25,6 +25,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(
     let mut unknown = Unknown::default();
     let mut libraries = Libraries::new(path);
     let mut vertices = Vec::new();
+    let (mut coordinates, mut normals) = (Vec::new(), Vec::new());
     let mut coloured_vertices = 0;
 
     let mut cursor = Cursor::default();
@@ -36,6 +37,8 @@ pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(
                 vertices.push(position);
                 coloured_vertices += usize::from(coloured);
             }
+            ("vt", rest) => coordinates.push(texture_vertex(place, rest)?),
+            ("vn", rest) => normals.push(DVec3::from(place.numbers::<3>("vn", &mut words(rest))?)),
             ("mtllib", names) => libraries.add(names, &mut builder, &mut unknown)?,
             _ => {}
         }
@@ -44,9 +47,11 @@ pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(
     let materials = Materials::new(libraries, &mut builder);
     let mut reader = Reader {
         file: &file,
-        placed: vec![(SurfaceId::from(0), u32::MAX); vertices.len()],
         vertices,
-        seen: 0,
+        coordinates,
+        normals,
+        seen: [0; 3],
+        placed: HashMap::new(),
         builder,
         materials,
         material: None,
@@ -60,7 +65,8 @@ pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(
     while let Some(line) = cursor.next_line(bytes, false) {
         reader.statement(Place { file: &file, line: line.number }, &line.text, &mut unknown)?;
     }
-    let Reader { builder, materials, tally, .. } = reader;
+    let Reader { mut builder, materials, tally, .. } = reader;
+    materials.textures.set_reflectances(&mut builder);
     let (scene, capped) = builder.finish();
     let mut warnings = tally.warnings(coloured_vertices);
     warnings.extend(materials.warnings());
@@ -79,6 +85,13 @@ fn vertex(place: Place<'_>, rest: &str) -> Result<(DVec3, bool), FormatError> {
         position[i] = place.number(word)?;
     }
     Ok((position, words.count() >= 3))
+}
+
+/// Texture coordinates: u, and v where it is given.
+fn texture_vertex(place: Place<'_>, rest: &str) -> Result<DVec2, FormatError> {
+    let mut words = words(rest);
+    let [u] = place.numbers("vt", &mut words)?;
+    Ok(DVec2::new(u, words.next().map_or(Ok(0.0), |v| place.finite(v))?))
 }
 
 /// What is counted for warnings.
@@ -107,14 +120,24 @@ impl Tally {
     }
 }
 
+/// A corner of a face: numbers in the tables of vertices, texture coordinates and normals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Corner {
+    vertex: usize,
+    coordinates: Option<usize>,
+    normal: Option<usize>,
+}
+
 /// The second pass.
 struct Reader<'a> {
     file: &'a str,
     vertices: Vec<DVec3>,
-    /// The surface that took each vertex last, and its number there.
-    placed: Vec<(SurfaceId, u32)>,
-    /// Vertices before the current line, from which negative numbers count back.
-    seen: usize,
+    coordinates: Vec<DVec2>,
+    normals: Vec<DVec3>,
+    /// Vertices, texture coordinates and normals before the current line, from which negative numbers count back.
+    seen: [usize; 3],
+    /// The number of each corner in each surface.
+    placed: HashMap<(SurfaceId, Corner), u32>,
     builder: SceneBuilder,
     materials: Materials,
     /// `None` before the first `usemtl`.
@@ -131,7 +154,9 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn statement(&mut self, place: Place<'_>, text: &str, unknown: &mut Unknown) -> Result<(), FormatError> {
         match keyword(text) {
-            ("v", _) => self.seen += 1,
+            ("v", _) => self.seen[0] += 1,
+            ("vt", _) => self.seen[1] += 1,
+            ("vn", _) => self.seen[2] += 1,
             ("f" | "fo", rest) => self.face(place, rest)?,
             ("usemtl", name) => self.material = Some(self.materials.named(name, &mut self.builder)),
             ("o", name) => {
@@ -139,8 +164,8 @@ impl Reader<'_> {
             }
             ("g", name) => (self.group, self.node) = (name.to_owned(), None),
             ("p" | "l", _) => self.tally.points_and_lines += 1,
-            // What concerns smoothness and textures only, and what the first pass took.
-            ("vn" | "vt" | "s" | "mtllib", _) => {}
+            // What the normals say better, and what the first pass took.
+            ("s" | "mtllib", _) => {}
             (word, _) if word.starts_with('#') => {}
             (word, _) => unknown.add(word),
         }
@@ -148,7 +173,7 @@ impl Reader<'_> {
     }
 
     fn face(&mut self, place: Place<'_>, rest: &str) -> Result<(), FormatError> {
-        let corners = words(rest).map(|word| self.vertex_number(place, word)).collect::<Result<Vec<_>, _>>()?;
+        let corners = words(rest).map(|word| self.corner(place, word)).collect::<Result<Vec<_>, _>>()?;
         self.builder.budget.spend(corners.len() as u64, self.file, || place.name())?;
         if corners.len() < 3 {
             self.tally.too_few_corners += 1;
@@ -166,21 +191,53 @@ impl Reader<'_> {
         };
         let node = self.node(place)?;
         let surface = self.builder.surface(node, material);
-        let corners = corners.into_iter().map(|vertex| {
-            let position = self.vertices[vertex];
+        let corners = corners.into_iter().map(|corner| {
+            let position = self.vertices[corner.vertex];
             if !position.is_finite() {
                 let (file, value) = (self.file.to_owned(), position.to_string());
-                let place = format!("{}, vertex {}", place.name(), vertex + 1);
+                let place = format!("{}, vertex {}", place.name(), corner.vertex + 1);
                 return Err(FormatError::NotFinite { file, place, value });
             }
-            if self.placed[vertex].0 != surface || self.placed[vertex].1 == u32::MAX {
-                self.placed[vertex] = (surface, self.builder.position(surface, position));
-            }
-            Ok(self.placed[vertex].1)
+            Ok(self.place(surface, material, corner))
         });
         let corners = corners.collect::<Result<_, _>>()?;
         self.builder.polygon(surface, corners);
         Ok(())
+    }
+
+    /// The number of a corner in a surface, to which it is added if it is new.
+    fn place(&mut self, surface: SurfaceId, material: MaterialId, corner: Corner) -> u32 {
+        // Where there is no image, coordinates would only keep polygons apart.
+        let coordinates = corner.coordinates.filter(|_| self.materials.textures.is_on(material));
+        let corner = Corner { coordinates, ..corner };
+        if let Some(&known) = self.placed.get(&(surface, corner)) {
+            return known;
+        }
+        let number = self.builder.position(surface, self.vertices[corner.vertex]);
+        let normal = corner.normal.and_then(|normal| self.normals[normal].try_normalize());
+        let uv = self.materials.textures.is_on(material).then(|| {
+            let coordinates = coordinates.map_or(DVec2::ZERO, |coordinates| self.coordinates[coordinates]);
+            let place = self.materials.textures.place(material, coordinates);
+            if place.as_vec2().is_finite() { place } else { DVec2::ZERO }
+        });
+        self.builder.corner(surface, normal.unwrap_or_default(), uv);
+        self.placed.insert((surface, corner), number);
+        number
+    }
+
+    /// A corner `v`, `v/vt`, `v//vn` or `v/vt/vn`. What is wrong with its texture coordinates or its normal only loses these.
+    fn corner(&self, place: Place<'_>, word: &str) -> Result<Corner, FormatError> {
+        let vertex = self.vertex_number(place, word)?;
+        let mut others = word.split('/').skip(1);
+        let mut index = |kind: usize, count: usize| {
+            let number: i64 = others.next()?.parse().ok()?;
+            // Counts are far from the bounds of i64.
+            let index =
+                if number < 0 { (self.seen[kind] as i64).checked_add(number)? } else { number.checked_sub(1)? };
+            usize::try_from(index).ok().filter(|index| *index < count)
+        };
+        let coordinates = index(1, self.coordinates.len());
+        Ok(Corner { vertex, coordinates, normal: index(2, self.normals.len()) })
     }
 
     /// The vertex of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, from 0. Negative numbers count back from the line.
@@ -192,7 +249,7 @@ impl Reader<'_> {
         })?;
         let index = if number < 0 {
             // Numbers of vertices are far from the bounds of i64.
-            (self.seen as i64).checked_add(number)
+            (self.seen[0] as i64).checked_add(number)
         } else {
             number.checked_sub(1)
         };
@@ -205,7 +262,7 @@ impl Reader<'_> {
                 count: self.vertices.len(),
             }),
             None => Err(place.bad(
-                format!("refers to vertex {number}, and there are {} before it", self.seen),
+                format!("refers to vertex {number}, and there are {} before it", self.seen[0]),
                 "vertices count from 1, or from -1 back: export the file again",
             )),
         }

@@ -53,21 +53,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(
         reader.element(element)?;
     }
     let Reader { builder, unknown, coloured, too_few_corners, .. } = reader;
-    let (scene, capped) = builder.finish();
-    let mut warnings = Vec::new();
-    if too_few_corners > 0 {
-        warnings.push(Warning::TooFewCorners { polygons: too_few_corners });
-    }
-    if coloured > 0 {
-        warnings.push(Warning::ColouredVertices { vertices: coloured });
-    }
-    let polygons = scene.polygon_count();
-    if polygons > 0 {
-        warnings.push(Warning::WithoutMaterial { polygons });
-    }
-    warnings.extend(capped);
-    warnings.extend(unknown.warning());
-    Ok((scene, warnings))
+    Ok(builder.finish_without_materials(too_few_corners, coloured, unknown))
 }
 
 struct Reader<'a> {

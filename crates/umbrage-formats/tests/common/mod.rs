@@ -2,13 +2,46 @@
 #![allow(dead_code, reason = "every test binary uses a part of it")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failure here is a failed test")]
 
+use glam::DVec3;
 use serde_json::{Value, json};
 use umbrage::scene::Scene;
-use umbrage_formats::{FormatError, ReadOptions, Warning, read_scene_bytes};
+use umbrage::shade::{BakedMesh, BakedPart};
+use umbrage_formats::{FormatError, ReadOptions, Warning, read_scene, read_scene_bytes};
 
 /// A folder of this project's scenes.
 pub(crate) fn scene_path(name: &str) -> std::path::PathBuf {
     std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/scenes").join(name)
+}
+
+/// Writes files into a folder of their own and reads the first.
+pub(crate) fn read_files(files: &[(&str, &str)]) -> Result<(Scene, Vec<Warning>), FormatError> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    }
+    read_scene(folder.path().join(files[0].0))
+}
+
+/// A scene's own polygons as triangles, with an irradiance made up from the position.
+pub(crate) fn made_up_bake(scene: &Scene, origin_m: DVec3, irradiance: impl Fn(DVec3) -> [f32; 3]) -> BakedMesh {
+    let parts = scene.surfaces.iter_enumerated().map(|(surface, s)| {
+        let mut part = BakedPart::new(surface);
+        for polygon in 0..s.polygons.len() {
+            let corners: Vec<DVec3> = scene.corners_m(surface, polygon).collect();
+            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+            let first = part.positions_m.len() as u32;
+            for &corner in &corners {
+                part.positions_m.push(corner.as_vec3().into());
+                part.normals.push(normal.as_vec3().into());
+                part.irradiance.push(irradiance(corner));
+            }
+            part.triangles.extend((1..corners.len() as u32 - 1).map(|i| [first, first + i, first + i + 1]));
+        }
+        part
+    });
+    BakedMesh { origin_m, parts: parts.collect() }
 }
 
 /// A glTF under construction: its JSON, and the one buffer.

@@ -1,4 +1,4 @@
-//! The cells that all edges of a plane divide it into, and the surface that each cell shows on each of its two sides.
+//! The cells that all edges of a plane divide it into, and the surface and skin that each cell shows on each of its two sides.
 //!
 //! Which polygons cover a cell follows from winding numbers, carried from the outside inwards across one edge after the
 //! other: that is exact whatever rounding did to the edges, as long as they do not cross. Where several polygons cover a
@@ -14,10 +14,19 @@ use smallvec::SmallVec;
 use super::Facing;
 use super::soup::Polygon;
 use super::triangulation::Triangulation;
-use crate::id::{SurfaceId, VertexId};
+use crate::id::{SkinId, SurfaceId, VertexId};
+
+/// What is seen of a cell from one side: polygons of one surface with one skin are one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Shown {
+    /// The surface.
+    pub(super) surface: SurfaceId,
+    /// What is laid over it.
+    pub(super) skin: Option<SkinId>,
+}
 
 /// What a cell shows along the plane's normal and against it.
-pub(super) type Label = [Option<SurfaceId>; 2];
+pub(super) type Label = [Option<Shown>; 2];
 
 /// The place of a facing in a [`Label`].
 pub(super) fn side_of(facing: Facing) -> usize {
@@ -55,6 +64,7 @@ impl Arrangement {
     pub(super) fn new(
         edges: &[PlaneEdge],
         soup: &[Polygon],
+        skins: &[Option<SkinId>],
         facing: impl Fn(u32) -> Facing,
         position: impl Fn(VertexId) -> DVec2,
     ) -> Self {
@@ -78,7 +88,8 @@ impl Arrangement {
                         let (p, q) = (order(*p), order(*q));
                         p.0.total_cmp(&q.0).then(p.1.total_cmp(&q.1)).then(p.2.cmp(&q.2))
                     };
-                    shown.min_by(least).map(|p| soup[p as usize].surface)
+                    let shows = |p: u32| Shown { surface: soup[p as usize].surface, skin: skins[p as usize] };
+                    shown.min_by(least).map(shows)
                 });
                 overlaps += usize::from(overlapped);
                 label
@@ -216,7 +227,8 @@ mod tests {
         }
         let facing = |p: u32| small.planes.of_polygon[p as usize].1;
         let frame = small.planes.frames[small.planes.of_polygon[0].0];
-        let arrangement = Arrangement::new(&edges, &small.soup, facing, |v| frame.to_2d(small.points[v]));
+        let skins = vec![None; small.soup.len()];
+        let arrangement = Arrangement::new(&edges, &small.soup, &skins, facing, |v| frame.to_2d(small.points[v]));
         (edges, arrangement)
     }
 
@@ -228,7 +240,7 @@ mod tests {
         let (edges, arrangement) = arranged(&Small::new(&[PICTURE, WALL]));
         assert_eq!((arrangement.overlaps, arrangement.missing_edges), (1, 0));
         for (edge, beside) in edges.iter().zip(&arrangement.beside) {
-            let mut shown: Vec<_> = beside.iter().flatten().flatten().map(|s| s.index()).collect();
+            let mut shown: Vec<_> = beside.iter().flatten().flatten().map(|s| s.surface.index()).collect();
             shown.sort_unstable();
             assert_eq!(shown, if edge.passes[0].0 == 0 { vec![0, 1] } else { vec![1] });
         }

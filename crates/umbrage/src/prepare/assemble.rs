@@ -1,6 +1,6 @@
 //! Pieces become faces: with ids that depend on the scene only, shared edges, and sides that are straight runs.
 //!
-//! Faces are numbered by surface, then by position; planes, vertices and edges in the order in which the faces use them,
+//! Faces are numbered by surface, then by position; planes, skins, vertices and edges in the order in which the faces use them,
 //! so that what lies together has near numbers. Nothing unused is kept.
 
 use std::collections::HashMap;
@@ -8,12 +8,12 @@ use std::collections::HashMap;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::arrangement::{Label, side_of};
+use super::arrangement::{Label, Shown, side_of};
 use super::coplanar::Planes;
 use super::weld::{Frame, Points};
-use super::{DirectedEdge, Edge, Face, Facing, PrepareReport, Prepared, Side};
+use super::{DirectedEdge, Edge, Face, Facing, PrepareReport, Prepared, Side, Skin};
 use crate::geometry::{Plane, PlaneFrame, polygon};
-use crate::id::{EdgeId, FaceId, PlaneId, SurfaceId, Table, VertexId};
+use crate::id::{EdgeId, FaceId, PlaneId, SkinId, Table, VertexId};
 use crate::scene::Scene;
 
 /// A convex piece of a plane.
@@ -31,7 +31,7 @@ pub(super) struct PlacedPiece {
 
 /// A face before it has a number.
 struct Draft {
-    surface: SurfaceId,
+    shown: Shown,
     centroid: DVec3,
     facing: Facing,
     plane: PlaneId,
@@ -44,6 +44,7 @@ pub(super) fn assemble(
     scene: &Scene,
     frame: &Frame,
     planes: &Planes,
+    skins: &Table<SkinId, Skin>,
     points: &Points,
     pieces: Vec<PlacedPiece>,
     mut report: PrepareReport,
@@ -51,15 +52,15 @@ pub(super) fn assemble(
     let mut drafts = Vec::with_capacity(pieces.len());
     for piece in &pieces {
         for facing in [Facing::Along, Facing::Against] {
-            if let Some(surface) = piece.label[side_of(facing)] {
-                match draft(piece, facing, surface, planes, points) {
+            if let Some(shown) = piece.label[side_of(facing)] {
+                match draft(piece, facing, shown, planes, points) {
                     Some(draft) => drafts.push(draft),
                     None => report.dropped_cuts += 1,
                 }
             }
         }
     }
-    let order = |d: &Draft| (d.surface, d.centroid, d.facing);
+    let order = |d: &Draft| (d.shown.surface, d.centroid, d.facing);
     drafts.sort_by(|p, q| {
         let ((s, c, f), (t, d, g)) = (order(p), order(q));
         let by_position = c.x.total_cmp(&d.x).then(c.y.total_cmp(&d.y)).then(c.z.total_cmp(&d.z));
@@ -71,13 +72,16 @@ pub(super) fn assemble(
         let id = faces.next_key();
         let plane = numbering.plane(&draft, planes, points, frame.tolerance.weld_m());
         let sides = numbering.sides(&draft, points, id);
-        let material = scene.surfaces[draft.surface].material;
-        faces.push(Face { plane, facing: draft.facing, surface: draft.surface, material, sides });
+        let Shown { surface, skin } = draft.shown;
+        let skin = skin.map(|skin| numbering.skin(skin, skins));
+        let material = scene.surfaces[surface].material;
+        faces.push(Face { plane, facing: draft.facing, surface, material, skin, sides });
     }
     Prepared {
         origin_m: frame.origin_m,
         tolerance: frame.tolerance,
         planes: numbering.planes,
+        skins: numbering.skins,
         vertices_m: numbering.vertices_m,
         edges: numbering.edges,
         faces,
@@ -86,7 +90,7 @@ pub(super) fn assemble(
 }
 
 /// A facing of a piece; `None` where rounding left it no area.
-fn draft(piece: &PlacedPiece, facing: Facing, surface: SurfaceId, planes: &Planes, points: &Points) -> Option<Draft> {
+fn draft(piece: &PlacedPiece, facing: Facing, shown: Shown, planes: &Planes, points: &Points) -> Option<Draft> {
     let (mut boundary, mut corners) = (piece.boundary.clone(), piece.corners.clone());
     let mut normal = planes.frames[piece.plane].plane.normal;
     if facing == Facing::Against {
@@ -102,16 +106,18 @@ fn draft(piece: &PlacedPiece, facing: Facing, surface: SurfaceId, planes: &Plane
     let polygon_m: Vec<DVec3> = corners.iter().map(|&i| points[boundary[i]]).collect();
     let has_area = polygon::doubled_area_vector(&polygon_m).dot(normal) > 0.0;
     let centroid = polygon::centroid(&polygon_m);
-    has_area.then_some(Draft { surface, centroid, facing, plane: piece.plane, boundary, corners })
+    has_area.then_some(Draft { shown, centroid, facing, plane: piece.plane, boundary, corners })
 }
 
 /// Numbers that are given on first use.
 #[derive(Default)]
 struct Numbering {
     planes: Table<PlaneId, PlaneFrame>,
+    skins: Table<SkinId, Skin>,
     vertices_m: Table<VertexId, DVec3>,
     edges: Table<EdgeId, Edge>,
     plane_of: HashMap<PlaneId, PlaneId>,
+    skin_of: HashMap<SkinId, SkinId>,
     vertex_of: HashMap<VertexId, VertexId>,
     edge_of: HashMap<[VertexId; 2], EdgeId>,
 }
@@ -130,6 +136,10 @@ impl Numbering {
             }
         }
         *self.plane_of.entry(draft.plane).or_insert_with(|| self.planes.push_and_get_key(known))
+    }
+
+    fn skin(&mut self, known: SkinId, skins: &Table<SkinId, Skin>) -> SkinId {
+        *self.skin_of.entry(known).or_insert_with(|| self.skins.push_and_get_key(skins[known].clone()))
     }
 
     fn vertex(&mut self, known: VertexId, points: &Points) -> VertexId {

@@ -115,6 +115,7 @@ fn by_cell(pieces: &mut Pieces<'_>, cells: &Cells, labels: &[Label]) -> Vec<Part
 
 #[cfg(test)]
 mod tests {
+    use super::super::arrangement::Shown;
     use super::super::testing::TOLERANCE;
     use super::*;
     use crate::geometry::{Plane, polygon};
@@ -124,7 +125,7 @@ mod tests {
     fn pieces_of(loops: &[&[[f64; 2]]]) -> Vec<f64> {
         let flat: Vec<DVec2> = loops.iter().copied().flatten().map(|&p| DVec2::from(p)).collect();
         let (mut edges, mut beside, mut first) = (Vec::new(), Vec::new(), 0);
-        let white: Label = [Some(SurfaceId::from(0)), None];
+        let white: Label = [Some(Shown { surface: SurfaceId::from(0), skin: None }), None];
         for corners in loops {
             let n = corners.len() as u32;
             for i in 0..n {

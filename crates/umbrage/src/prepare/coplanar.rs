@@ -144,7 +144,7 @@ mod tests {
                     corners.reverse();
                 }
                 let surface = SurfaceId::from(0);
-                Polygon { surface, corners, area_m2: size_m * size_m, double_sided: false }
+                Polygon { surface, corners, sources: Vec::new(), area_m2: size_m * size_m, double_sided: false }
             })
             .collect();
         planes(&soup, &points, &TOLERANCE).of_polygon

@@ -12,8 +12,9 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
+use super::Skin;
 use crate::geometry::{Plane, PlaneFrame, Tolerance};
-use crate::id::{EdgeId, FaceId, MaterialId, PlaneId, SurfaceId, Table, VertexId};
+use crate::id::{EdgeId, FaceId, MaterialId, PlaneId, SkinId, SurfaceId, Table, VertexId};
 
 /// An edge and the direction in which a boundary passes along it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -63,6 +64,8 @@ pub struct Face {
     pub surface: SurfaceId,
     /// Its material.
     pub material: MaterialId,
+    /// What is laid over it.
+    pub skin: Option<SkinId>,
     /// Its boundary, counter-clockwise seen from the front.
     pub sides: Vec<Side>,
 }
@@ -99,6 +102,8 @@ pub struct Prepared {
     pub tolerance: Tolerance,
     /// The planes, each with the frame in which its faces are measured.
     pub planes: Table<PlaneId, PlaneFrame>,
+    /// What is laid over the faces.
+    pub skins: Table<SkinId, Skin>,
     /// Vertices, relative to `origin_m`, in metres.
     pub vertices_m: Table<VertexId, DVec3>,
     /// Edges.
@@ -190,6 +195,17 @@ impl Prepared {
     /// The unit normal of a face, towards its front.
     pub fn normal(&self, face: FaceId) -> DVec3 {
         self.oriented_plane(face).normal
+    }
+
+    /// The unit normal of the surface that a face stands for, at a point of it: its own unless it is part of a smooth one.
+    pub fn smooth_normal(&self, face: FaceId, at_m: DVec3) -> DVec3 {
+        let flat = self.normal(face);
+        self.faces[face].skin.map_or(flat, |skin| self.skins[skin].normal(at_m, flat))
+    }
+
+    /// Whether a face is part of a smooth surface.
+    pub fn is_smooth(&self, face: FaceId) -> bool {
+        self.faces[face].skin.is_some_and(|skin| self.skins[skin].is_smooth())
     }
 
     /// Checks what the head of this file promises.

@@ -4,13 +4,14 @@
 //! 1. `weld`: a frame around the scene's centre; corners become shared points.
 //! 2. `soup`: polygons without degenerate ones and duplicates, all of them plane.
 //! 3. `coplanar`: every polygon gets its plane; what lies in one plane has one id.
-//! 4. `contact`: the segments along which polygons of different planes meet.
-//! 5. `node`: all edges of all planes are cut until they meet in end points only.
-//! 6. `arrangement`: the cells of each plane, and the surface that each shows to either side.
-//! 7. `needed`: only edges where something changes stay; so triangles become polygons again.
-//! 8. `convex`: cells fall into few, well-shaped convex pieces.
-//! 9. `diagonal`: borders between pieces are cut where other planes' vertices touch them.
-//! 10. `assemble`: pieces become faces, in an order that depends on the scene only.
+//! 4. `skin`: texture coordinates and smooth normals, as functions of the position.
+//! 5. `contact`: the segments along which polygons of different planes meet.
+//! 6. `node`: all edges of all planes are cut until they meet in end points only.
+//! 7. `arrangement`: the cells of each plane, and what each shows to either side.
+//! 8. `needed`: only edges where something changes stay; so triangles become polygons again.
+//! 9. `convex`: cells fall into few, well-shaped convex pieces.
+//! 10. `diagonal`: borders between pieces are cut where other planes' vertices touch them.
+//! 11. `assemble`: pieces become faces, in an order that depends on the scene only.
 
 mod arrangement;
 mod assemble;
@@ -27,6 +28,7 @@ mod needed;
 mod node;
 mod shell;
 mod sides;
+mod skin;
 mod soup;
 mod stages;
 #[cfg(test)]
@@ -37,4 +39,6 @@ mod weld;
 pub use error::PrepareError;
 pub use face::{DirectedEdge, Edge, Face, Facing, PrepareReport, Prepared, PreparedError, Side};
 pub use shell::{Shells, shells};
+pub use skin::Skin;
+pub(crate) use skin::is_smooth_at;
 pub use stages::{PrepareSettings, prepare, prepare_with};

@@ -164,6 +164,7 @@ impl Chains<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::arrangement::Shown;
     use super::super::testing::TOLERANCE;
     use super::*;
     use crate::id::SurfaceId;
@@ -182,7 +183,7 @@ mod tests {
     }
 
     fn white() -> Label {
-        [Some(SurfaceId::from(0)), None]
+        [Some(Shown { surface: SurfaceId::from(0), skin: None }), None]
     }
 
     fn border() -> [Label; 2] {

@@ -1,5 +1,7 @@
 //! The polygons of a scene in its frame: welded, without degenerate ones and duplicates, and all of them plane.
 //!
+//! A polygon whose texture coordinates or normals are no affine function of the position becomes triangles, too.
+//!
 //! Holds after: consecutive corners of a polygon differ; a polygon is wider than the weld distance; its corners lie
 //! within the coplanar tolerance of its Newell plane; no two polygons have the same loop of corners.
 
@@ -8,6 +10,7 @@ use std::collections::HashSet;
 use glam::DVec3;
 
 use super::PrepareReport;
+use super::skin;
 use super::triangulation;
 use super::weld::{Frame, Points};
 use crate::geometry::{Plane, PlaneFrame, Tolerance, polygon};
@@ -21,6 +24,8 @@ pub(super) struct Polygon {
     pub(super) surface: SurfaceId,
     /// Its corners, counter-clockwise seen from its front.
     pub(super) corners: Vec<VertexId>,
+    /// Which of its surface's corners each of them is.
+    pub(super) sources: Vec<u32>,
     /// Its area.
     pub(super) area_m2: f64,
     /// Whether it also has a face at its back.
@@ -48,11 +53,11 @@ pub(super) fn polygons(scene: &Scene, frame: &Frame, points: &mut Points, report
         for number in 0..s.polygons.len() {
             report.polygons += 1;
             let before = points.len();
-            let corners: Vec<VertexId> =
-                scene.corners_m(surface, number).map(|p| points.weld(p - frame.origin_m)).collect();
+            let place = |&i: &u32| (points.weld(s.positions_m[i as usize] - frame.origin_m), i);
+            let corners: Vec<(VertexId, u32)> = s.polygons[number].iter().map(place).collect();
             report.welded_corners += corners.len() - (points.len() - before);
-            let corners = without_spikes(corners);
-            let polygon = Polygon { surface, area_m2: area_m2(&corners, points), corners, double_sided };
+            let (corners, sources): (Vec<VertexId>, Vec<u32>) = without_spikes(corners).into_iter().unzip();
+            let polygon = Polygon { surface, area_m2: area_m2(&corners, points), corners, sources, double_sided };
             let Some(plane) = plane_of(&polygon, points, &frame.tolerance) else {
                 report.degenerate_polygons += 1;
                 continue;
@@ -62,10 +67,11 @@ pub(super) fn polygons(scene: &Scene, frame: &Frame, points: &mut Points, report
                 continue;
             }
             let height_m = |&v: &VertexId| plane.signed_distance_m(points[v]).abs();
-            if polygon.corners.iter().map(height_m).all(|h| h <= frame.tolerance.coplanar_m()) {
+            let is_plane = polygon.corners.iter().map(height_m).all(|h| h <= frame.tolerance.coplanar_m());
+            if is_plane && skin::is_affine(&polygon, s, points) {
                 soup.push(polygon);
             } else {
-                report.nonplanar_polygons += 1;
+                report.nonplanar_polygons += usize::from(!is_plane);
                 let triangles = triangles(&polygon, &plane, points);
                 soup.extend(triangles.filter(|t| plane_of(t, points, &frame.tolerance).is_some()));
             }
@@ -75,16 +81,16 @@ pub(super) fn polygons(scene: &Scene, frame: &Frame, points: &mut Points, report
 }
 
 /// Corners without repeated ones and without there-and-back spikes.
-fn without_spikes(mut corners: Vec<VertexId>) -> Vec<VertexId> {
+fn without_spikes(mut corners: Vec<(VertexId, u32)>) -> Vec<(VertexId, u32)> {
     loop {
         let before = corners.len();
         // Turned by half, the place where the loop closes is looked at as well.
         for _ in 0..2 {
-            let mut kept: Vec<VertexId> = Vec::with_capacity(corners.len());
+            let mut kept: Vec<(VertexId, u32)> = Vec::with_capacity(corners.len());
             for corner in corners {
-                if kept.len() >= 2 && kept[kept.len() - 2] == corner {
+                if kept.len() >= 2 && kept[kept.len() - 2].0 == corner.0 {
                     kept.pop();
-                } else if kept.last() != Some(&corner) {
+                } else if kept.last().is_none_or(|last| last.0 != corner.0) {
                     kept.push(corner);
                 }
             }
@@ -122,7 +128,9 @@ fn triangles<'a>(p: &'a Polygon, plane: &Plane, points: &'a Points) -> impl Iter
     let frame = PlaneFrame::new(*plane, points[p.corners[0]]);
     triangulation::fill(&p.corners, |v| frame.to_2d(points[v])).into_iter().map(|t| {
         let corners = t.to_vec();
-        Polygon { area_m2: area_m2(&corners, points), corners, ..p.clone() }
+        let source = |v: &VertexId| p.corners.iter().position(|corner| corner == v).map_or(0, |i| p.sources[i]);
+        let sources = corners.iter().map(source).collect();
+        Polygon { area_m2: area_m2(&corners, points), corners, sources, ..*p }
     })
 }
 
@@ -133,7 +141,8 @@ mod tests {
     #[test]
     fn spikes_and_repeats_are_taken_off() {
         let clean = |corners: &[usize]| {
-            let kept = without_spikes(corners.iter().map(|&i| VertexId::from(i)).collect());
+            let kept = without_spikes(corners.iter().map(|&i| (VertexId::from(i), 0)).collect());
+            let kept: Vec<VertexId> = kept.into_iter().map(|corner| corner.0).collect();
             from_least(&kept).into_iter().map(VertexId::index).collect::<Vec<_>>()
         };
         assert_eq!(clean(&[0, 0, 1, 2, 2, 3, 0]), [0, 1, 2, 3]);

@@ -14,6 +14,7 @@ use super::coplanar::{self, Planes};
 use super::diagonal;
 use super::needed::{self, NeededEdge, Use};
 use super::node::Segments;
+use super::skin::Skins;
 use super::soup::{self, Polygon};
 use super::triangulation::Triangulation;
 use super::weld::{Frame, Points};
@@ -31,11 +32,13 @@ const STEPS: usize = 7;
 pub struct PrepareSettings {
     /// Whether surfaces are cut where others touch or cross them. Without, light leaks along these lines.
     pub cut_contacts: bool,
+    /// Whether faces that stand for a smooth surface, by the normals of their corners, are shaded as one.
+    pub smooth: bool,
 }
 
 impl Default for PrepareSettings {
     fn default() -> Self {
-        Self { cut_contacts: true }
+        Self { cut_contacts: true, smooth: true }
     }
 }
 
@@ -74,6 +77,7 @@ pub fn prepare_with(
     let corners = points.len();
     pulse(1)?;
     let planes = coplanar::planes(&soup, &points, &tolerance);
+    let skins = Skins::new(scene, &soup, &planes, &points, settings.smooth);
     pulse(2)?;
     let contacts = if settings.cut_contacts {
         contact::contacts(&soup, &planes, &mut points, &tolerance, &mut report.dropped_cuts, || pulse(2))?
@@ -90,14 +94,14 @@ pub fn prepare_with(
     pulse(4)?;
     let (by_plane, t_vertices) = edges_by_plane(&soup, &planes, &contacts, &segments, corners);
     report.t_vertices = t_vertices;
-    let edges = needed_edges(&soup, &planes, &points, &by_plane, &mut report, || pulse(4))?;
+    let edges = needed_edges(&soup, &planes, &skins, &points, &by_plane, &mut report, || pulse(4))?;
     let edges = needed::straighten(&edges, &points, &tolerance);
     report.contact_edges = edges.iter().filter(|e| e.is_contact()).count();
     pulse(5)?;
     let mut pieces = convex_pieces(&edges, &planes, &points, &tolerance, &mut report, || pulse(5))?;
     diagonal::cut(&mut pieces, &edges, &points, &tolerance);
     pulse(6)?;
-    let prepared = assemble::assemble(scene, &frame, &planes, &points, pieces, report);
+    let prepared = assemble::assemble(scene, &frame, &planes, &skins.all, &points, pieces, report);
     pulse(STEPS)?;
     Ok(prepared)
 }
@@ -153,6 +157,7 @@ fn edges_by_plane(
 fn needed_edges(
     soup: &[Polygon],
     planes: &Planes,
+    skins: &Skins,
     points: &Points,
     by_plane: &[(PlaneId, Vec<PlaneEdge>)],
     report: &mut PrepareReport,
@@ -162,7 +167,7 @@ fn needed_edges(
         pulse()?;
         let frame = &planes.frames[*plane];
         let facing = |polygon: u32| planes.of_polygon[polygon as usize].1;
-        Ok(Arrangement::new(edges, soup, facing, |v| frame.to_2d(points[v])))
+        Ok(Arrangement::new(edges, soup, &skins.of_polygon, facing, |v| frame.to_2d(points[v])))
     };
     let arrangements: Vec<Arrangement> = by_plane.par_iter().map(arrange).collect::<Result<_, _>>()?;
     let mut uses: Vec<([VertexId; 2], Use)> = Vec::new();

@@ -27,6 +27,7 @@ impl Small {
                 surface: SurfaceId::from(i),
                 area_m2: polygon::area_m2(&corners.iter().map(|&c| DVec3::from(c)).collect::<Vec<_>>()),
                 corners: corners.iter().map(|&c| points.weld(DVec3::from(c))).collect(),
+                sources: Vec::new(),
                 double_sided: false,
             })
             .collect();

@@ -50,10 +50,10 @@ pub fn cornell_box() -> Scene {
         (Material::emitting("light", Rgb::new(18.387, 13.9873, 6.75357)), LIGHT),
     ];
     let mut scene = Scene { name: "cornell".into(), ..Scene::default() };
-    scene.nodes.push(Node { name: Some("cornell".into()), parent: None, mesh_name: Some("cornell".into()) });
+    scene.nodes.push(Node { name: Some("cornell".into()), mesh_name: Some("cornell".into()), ..Node::default() });
     for (material, polygons) in parts {
         let material: MaterialId = scene.materials.push_and_get_key(material);
-        let mut surface = Surface { node: NodeId::from(0), material, positions_m: Vec::new(), polygons: Vec::new() };
+        let mut surface = Surface::new(NodeId::from(0), material);
         for corners in polygons {
             let first = surface.positions_m.len() as u32;
             surface.positions_m.extend(corners.iter().map(|&c| DVec3::from(c)));

@@ -4,6 +4,8 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::Look;
+
 /// A linear colour, or a spectral quantity at red, green and blue.
 pub type Rgb = DVec3;
 
@@ -12,23 +14,25 @@ pub type Rgb = DVec3;
 pub struct Material {
     /// Name, as in the file.
     pub name: String,
-    /// Share of the incident light that is reflected, 0 to 1: the base colour.
+    /// Share of the incident light that is reflected, 0 to 1: the base colour, with an image the average of both.
     pub reflectance: Rgb,
     /// Emitted radiance in W/(m2 sr), the same in all directions of the front.
     pub radiance: Rgb,
     /// Whether a face of it reflects and emits on both sides: it then becomes two faces, back to back.
     pub double_sided: bool,
+    /// What it looks like beside that.
+    pub look: Look,
 }
 
 impl Material {
     /// A material that reflects and does not emit.
     pub fn diffuse(name: impl Into<String>, reflectance: Rgb) -> Self {
-        Self { name: name.into(), reflectance, radiance: Rgb::ZERO, double_sided: false }
+        Self { name: name.into(), reflectance, radiance: Rgb::ZERO, double_sided: false, look: Look::default() }
     }
 
     /// A black material that emits `radiance`, in W/(m2 sr).
     pub fn emitting(name: impl Into<String>, radiance: Rgb) -> Self {
-        Self { name: name.into(), reflectance: Rgb::ZERO, radiance, double_sided: false }
+        Self { radiance, ..Self::diffuse(name, Rgb::ZERO) }
     }
 
     /// Emitted exitance `M = pi L`, in W/m2.

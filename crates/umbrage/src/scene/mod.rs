@@ -4,12 +4,16 @@
 //! radiance `L = B / pi` is W/(m2 sr). A face is lit on its front, the side from which its corners run
 //! counter-clockwise; both sides always block light.
 
+mod camera;
 pub mod cornell;
 mod lamp;
+mod look;
 mod material;
 #[expect(clippy::module_inception, reason = "the module's main type is named like the module")]
 mod scene;
 
+pub use camera::{Camera, Lens};
 pub use lamp::{Arriving, Lamp, LampKind};
+pub use look::{Alpha, Image, Look, Texture, Wrap};
 pub use material::{Material, Rgb};
 pub use scene::{Node, Scene, SceneError, Surface};

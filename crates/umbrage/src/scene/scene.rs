@@ -1,9 +1,9 @@
 //! The scene: nodes, materials, and the surfaces that join them.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
-use super::{Lamp, Material, Rgb};
-use crate::id::{LampId, MaterialId, NodeId, SurfaceId, Table};
+use super::{Camera, Image, Lamp, Material, Rgb};
+use crate::id::{ImageId, LampId, MaterialId, NodeId, SurfaceId, Table};
 
 /// A node of the scene's hierarchy. Surfaces are already in world space, so a node holds no transform.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -14,6 +14,10 @@ pub struct Node {
     pub parent: Option<NodeId>,
     /// Name of its mesh, as in the file.
     pub mesh_name: Option<String>,
+    /// What an application has put beside it, as JSON.
+    pub extras: Option<String>,
+    /// What an application has put beside its mesh, as JSON.
+    pub mesh_extras: Option<String>,
 }
 
 /// Polygons of one material under one node.
@@ -25,8 +29,43 @@ pub struct Surface {
     pub material: MaterialId,
     /// Corners in world space, in metres.
     pub positions_m: Vec<DVec3>,
+    /// Texture coordinates of each corner, (0, 0) being the upper left of the image; empty without.
+    pub uvs: Vec<DVec2>,
+    /// Unit normal of each corner, of the smooth surface that the polygons stand for, or zero where there is none; empty
+    /// without any.
+    pub normals: Vec<DVec3>,
     /// Simple plane polygons: indices into `positions_m`, counter-clockwise seen from the front.
     pub polygons: Vec<Vec<u32>>,
+    /// Whether it is in what is baked. If not, it blocks, reflects and emits all the same.
+    pub baked: bool,
+}
+
+impl Surface {
+    /// A surface without polygons.
+    pub fn new(node: NodeId, material: MaterialId) -> Self {
+        Self {
+            node,
+            material,
+            positions_m: Vec::new(),
+            uvs: Vec::new(),
+            normals: Vec::new(),
+            polygons: Vec::new(),
+            baked: true,
+        }
+    }
+
+    /// What of its tables does not fit together.
+    fn defect(&self) -> Option<&'static str> {
+        let n = self.positions_m.len();
+        let fits = |count: usize| count == 0 || count == n;
+        if !fits(self.uvs.len()) || !fits(self.normals.len()) {
+            Some("has not as many texture coordinates or normals as corners")
+        } else if !(self.uvs.iter().all(|uv| uv.is_finite()) && self.normals.iter().all(|n| n.is_finite())) {
+            Some("has a texture coordinate or a normal that is not finite")
+        } else {
+            None
+        }
+    }
 }
 
 /// A polygonal scene.
@@ -40,8 +79,20 @@ pub struct Scene {
     pub materials: Table<MaterialId, Material>,
     /// The surfaces.
     pub surfaces: Table<SurfaceId, Surface>,
+    /// Surfaces that light passes through unchanged (`alphaMode` BLEND): they take no part, and are passed on.
+    pub see_through: Vec<Surface>,
+    /// Images on the materials.
+    pub images: Table<ImageId, Image>,
+    /// Cameras.
+    pub cameras: Vec<Camera>,
     /// Lamps without extent; surfaces that emit are light sources too.
     pub lamps: Table<LampId, Lamp>,
+    /// Whose work it is, as in the file.
+    pub copyright: Option<String>,
+    /// What an application has put beside the scene, as JSON.
+    pub extras: Option<String>,
+    /// What an application has put beside the file as a whole, as JSON.
+    pub asset_extras: Option<String>,
 }
 
 /// Why a scene cannot be baked. Places are named by the node's and the material's names and the polygon's number.
@@ -80,6 +131,14 @@ pub enum SceneError {
         /// How many corners there are.
         count: usize,
     },
+    /// The tables of a surface do not fit together.
+    #[error("{place}: {what}: export the mesh again")]
+    BadAttributes {
+        /// Surface.
+        place: String,
+        /// What is wrong.
+        what: &'static str,
+    },
     /// A polygon has fewer than three corners.
     #[error("{place}: has {count} corners, and a polygon needs three")]
     TooFewCorners {
@@ -113,10 +172,13 @@ pub enum SceneError {
 impl Scene {
     /// How a message names polygon `polygon` of a surface.
     pub fn place(&self, surface: SurfaceId, polygon: usize) -> String {
-        let s = &self.surfaces[surface];
-        let node = &self.nodes[s.node];
+        format!("{}, polygon {polygon}", self.surface_place(&self.surfaces[surface]))
+    }
+
+    fn surface_place(&self, surface: &Surface) -> String {
+        let node = &self.nodes[surface.node];
         let node_name = node.name.as_deref().or(node.mesh_name.as_deref()).unwrap_or("unnamed");
-        format!("node {node_name:?}, material {:?}, polygon {polygon}", self.materials[s.material].name)
+        format!("node {node_name:?}, material {:?}", self.materials[surface.material].name)
     }
 
     /// Number of polygons of all surfaces.
@@ -153,9 +215,12 @@ impl Scene {
                 return Err(SceneError::BadLamp { name: lamp.name.clone(), bound });
             }
         }
-        for (id, surface) in self.surfaces.iter_enumerated() {
+        for surface in self.surfaces.iter().chain(&self.see_through) {
+            if let Some(what) = surface.defect() {
+                return Err(SceneError::BadAttributes { place: self.surface_place(surface), what });
+            }
             for (number, polygon) in surface.polygons.iter().enumerate() {
-                let place = || self.place(id, number);
+                let place = || format!("{}, polygon {number}", self.surface_place(surface));
                 if polygon.len() < 3 {
                     return Err(SceneError::TooFewCorners { place: place(), count: polygon.len() });
                 }

@@ -1,14 +1,17 @@
 //! The baked mesh from the triangulated patches: one value of irradiance for each group of corners.
 //!
 //! Before: every leaf of the mesh is a triangle. After: a [`BakedMesh`] in the order of patches; vertices are shared
-//! within a part by corners of one group.
+//! within a part by corners that have the same in all that a vertex has.
+
+use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use super::corner_group::{self, CornerGroup, Triangle};
+use super::corner_group::{self, Triangle};
 use super::field::{Field, Places, Values};
+use super::smooth;
 use super::{BakedMesh, BakedPart};
-use crate::id::{SurfaceId, Table};
+use crate::id::{FaceId, SurfaceId, Table, VertexId};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress, Stage};
@@ -54,48 +57,64 @@ pub(super) fn assemble(
             Ok(irradiance.at(mesh, &point, patch))
         })
         .collect::<Result<Vec<Rgb>, Cancelled>>()?;
-    Ok(parts(scene, prepared, mesh, &triangles, &groups, &group_of, &values))
+    let values = smooth::smooth(prepared, mesh, &triangles, &groups, &group_of, &values);
+    Ok(parts(scene, prepared, mesh, &triangles, &group_of, &values))
 }
 
+/// A vertex of a part: position, normal, irradiance and texture coordinates.
+type Vertex = ([f32; 3], [f32; 3], [f32; 3], Option<[f32; 2]>);
+
+/// The parts of all surfaces that are baked. Corners with the same bits of all that a vertex has are one vertex.
 fn parts(
     scene: &Scene,
     prepared: &Prepared,
     mesh: &Mesh,
     triangles: &[Triangle],
-    groups: &[CornerGroup],
     group_of: &[[usize; 3]],
     values: &[Rgb],
 ) -> BakedMesh {
-    let mut parts: Table<SurfaceId, BakedPart> = scene
-        .surfaces
-        .keys()
-        .map(|surface| BakedPart {
-            surface,
-            positions_m: Vec::new(),
-            normals: Vec::new(),
-            irradiance: Vec::new(),
-            triangles: Vec::new(),
-        })
-        .collect();
-    // Number of each group's vertex in the part that used it last.
-    let mut placed: Vec<Option<(SurfaceId, u32)>> = vec![None; groups.len()];
+    let mut parts: Table<SurfaceId, BakedPart> = scene.surfaces.keys().map(BakedPart::new).collect();
     let mut by_surface: Vec<usize> = (0..triangles.len()).collect();
+    by_surface.retain(|&number| scene.surfaces[prepared.faces[triangles[number].face].surface].baked);
     by_surface.sort_by_key(|&number| (prepared.faces[triangles[number].face].surface, number));
-    for number in by_surface {
-        let surface = prepared.faces[triangles[number].face].surface;
-        let part = &mut parts[surface];
-        let corners = group_of[number].map(|group| match placed[group] {
-            Some((owner, vertex)) if owner == surface => vertex,
-            _ => {
-                let vertex = part.positions_m.len() as u32;
-                part.positions_m.push(mesh.vertex_m(groups[group].vertex).as_vec3().to_array());
-                part.normals.push(prepared.normal(groups[group].face).as_vec3().normalize().to_array());
-                part.irradiance.push(values[group].max(Rgb::ZERO).as_vec3().to_array());
-                placed[group] = Some((surface, vertex));
-                vertex
-            }
-        });
-        part.triangles.push(corners);
+    let vertex = |face: FaceId, vertex: VertexId, group: usize| -> Vertex {
+        let at_m = mesh.vertex_m(vertex);
+        let uv = prepared.faces[face].skin.and_then(|skin| prepared.skins[skin].uv(at_m));
+        let irradiance = values[group].max(Rgb::ZERO).as_vec3().to_array();
+        (
+            at_m.as_vec3().to_array(),
+            smooth::normal(prepared, face, at_m),
+            irradiance,
+            uv.map(|uv| uv.as_vec2().to_array()),
+        )
+    };
+    let surface_of = |number: usize| prepared.faces[triangles[number].face].surface;
+    for of_surface in by_surface.chunk_by(|&p, &q| surface_of(p) == surface_of(q)) {
+        let part = &mut parts[surface_of(of_surface[0])];
+        let mut known: HashMap<[u32; 11], u32> = HashMap::new();
+        for &number in of_surface {
+            let Triangle { face, vertices, .. } = triangles[number];
+            let corners = [0, 1, 2].map(|k| {
+                let vertex = vertex(face, vertices[k], group_of[number][k]);
+                *known.entry(bits(&vertex)).or_insert_with(|| {
+                    let (position_m, normal, irradiance, uv) = vertex;
+                    part.positions_m.push(position_m);
+                    part.normals.push(normal);
+                    part.irradiance.push(irradiance);
+                    part.uvs.extend(uv);
+                    part.positions_m.len() as u32 - 1
+                })
+            });
+            part.triangles.push(corners);
+        }
     }
     BakedMesh { origin_m: prepared.origin_m, parts: parts.into() }
+}
+
+/// The bits of all that a vertex has.
+fn bits((position_m, normal, irradiance, uv): &Vertex) -> [u32; 11] {
+    let mut bits = [0; 11];
+    let numbers = position_m.iter().chain(normal).chain(irradiance).chain(uv.iter().flatten());
+    bits.iter_mut().zip(numbers).for_each(|(bits, number)| *bits = number.to_bits());
+    bits
 }

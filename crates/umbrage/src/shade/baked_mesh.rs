@@ -1,9 +1,9 @@
 //! The baked mesh: triangles, and the irradiance at each of their corners.
 //!
 //! Holds:
-//! - one part per surface of the scene, in the same order, possibly empty;
+//! - one part per surface of the scene, in the same order, empty where the surface is not baked;
 //! - positions are `f32`, relative to `origin_m`: the same point has the same bits wherever it occurs, in all parts;
-//! - a vertex is shared by triangles of one part except across creases and jumps of the irradiance (D0);
+//! - a vertex is shared by triangles of one part except across creases, jumps of the irradiance (D0) and borders of the texture mapping;
 //! - no corner of a triangle lies inside another triangle's edge (T-vertex), no triangle is without area.
 
 use glam::DVec3;
@@ -19,10 +19,26 @@ pub struct BakedPart {
     pub positions_m: Vec<[f32; 3]>,
     /// Unit normal of each vertex.
     pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates of each vertex, (0, 0) being the upper left of the image; empty without.
+    pub uvs: Vec<[f32; 2]>,
     /// Irradiance on the front at each vertex, linear RGB, in W/m2.
     pub irradiance: Vec<[f32; 3]>,
     /// Triangles, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
+}
+
+impl BakedPart {
+    /// No triangle of a surface.
+    pub fn new(surface: SurfaceId) -> Self {
+        Self {
+            surface,
+            positions_m: Vec::new(),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            irradiance: Vec::new(),
+            triangles: Vec::new(),
+        }
+    }
 }
 
 /// What a bake leaves: a triangle mesh with light at its vertices.
@@ -78,7 +94,7 @@ impl BakedMesh {
     pub fn validate(&self) -> Result<(), BakedMeshError> {
         for part in &self.parts {
             let n = part.positions_m.len();
-            let fits = part.normals.len() == n && part.irradiance.len() == n;
+            let fits = part.normals.len() == n && part.irradiance.len() == n && [0, n].contains(&part.uvs.len());
             if !fits || part.triangles.iter().flatten().any(|&i| i as usize >= n) {
                 return Err(BakedMeshError::BadTables(part.surface));
             }

@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn a_furnished_furnace_is_even_once_what_links_miss_is_known() {
-        // Everything emits 1 and reflects a half: irradiance is 2 everywhere, but not behind the touching sides.
+        // Everything emits 1 and reflects a half: irradiance is 2 everywhere.
         let glow = Material { reflectance: Rgb::splat(0.5), ..Material::emitting("glow", Rgb::ONE / PI) };
         let mut room = fixture::inward_box(DVec3::ZERO, DVec3::new(2.0, 1.5, 1.0));
         room.extend(fixture::outward_box(DVec3::new(0.5, 0.5, 0.25), DVec3::new(1.0, 1.0, 0.75)));

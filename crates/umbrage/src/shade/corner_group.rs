@@ -124,7 +124,7 @@ fn collect(
 }
 
 /// Angle of a triangle at a corner, in radians.
-fn angle_rad(mesh: &Mesh, triangles: &[Triangle], corner: usize) -> f64 {
+pub(super) fn angle_rad(mesh: &Mesh, triangles: &[Triangle], corner: usize) -> f64 {
     let [at, next, previous] = corner_points(mesh, triangles, corner);
     (next - at).angle_between(previous - at)
 }
@@ -158,14 +158,16 @@ fn group(prepared: &Prepared, mesh: &Mesh, triangles: &[Triangle], corners: &[us
 }
 
 /// Disjoint sets whose representative is the least member.
-struct DisjointSets(Vec<usize>);
+pub(super) struct DisjointSets(Vec<usize>);
 
 impl DisjointSets {
-    fn new(count: usize) -> Self {
+    /// Each member alone.
+    pub(super) fn new(count: usize) -> Self {
         Self((0..count).collect())
     }
 
-    fn first_of(&mut self, mut member: usize) -> usize {
+    /// The least member of a set.
+    pub(super) fn first_of(&mut self, mut member: usize) -> usize {
         while self.0[member] != member {
             self.0[member] = self.0[self.0[member]];
             member = self.0[member];
@@ -173,7 +175,8 @@ impl DisjointSets {
         member
     }
 
-    fn join(&mut self, one: usize, other: usize) {
+    /// Makes one set of two.
+    pub(super) fn join(&mut self, one: usize, other: usize) {
         let (one, other) = (self.first_of(one), self.first_of(other));
         self.0[one.max(other)] = one.min(other);
     }

@@ -12,6 +12,7 @@ mod refine;
 mod reflected;
 #[expect(clippy::module_inception, reason = "the module's main function is named like the module")]
 mod shade;
+mod smooth;
 
 pub use baked_mesh::{BakedMesh, BakedMeshError, BakedPart};
 pub use bounce::missed_by_links;

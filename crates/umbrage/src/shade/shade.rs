@@ -74,8 +74,10 @@ pub fn shade(
     settings: ShadeSettings,
     progress: Progress<'_>,
 ) -> Result<Shaded, Cancelled> {
-    let receives =
-        |mesh: &Mesh, patch: PatchId| !scene.materials[prepared.faces[mesh.patch(patch).face].material].emits();
+    let receives = |mesh: &Mesh, patch: PatchId| {
+        let face = &prepared.faces[mesh.patch(patch).face];
+        scene.surfaces[face.surface].baked && !scene.materials[face.material].emits()
+    };
     let places = Places::new(prepared);
     mesh.remove_d0_hints();
     let mean = irradiance.mean();

@@ -30,6 +30,7 @@ pub(crate) fn prepared_of_materials(polygons: &[(Vec<DVec3>, usize)]) -> Prepare
         origin_m: DVec3::ZERO,
         tolerance: Tolerance::new((hi - lo).max_element().max(0.0)),
         planes: Default::default(),
+        skins: Default::default(),
         vertices_m: Default::default(),
         edges: Default::default(),
         faces: Default::default(),
@@ -75,6 +76,7 @@ pub(crate) fn prepared_of_materials(polygons: &[(Vec<DVec3>, usize)]) -> Prepare
             facing,
             surface: SurfaceId::from(0),
             material: MaterialId::from(*material),
+            skin: None,
             sides,
         });
     }

@@ -33,10 +33,9 @@ impl Stage {
         let material = known.unwrap_or_else(|| self.scene.materials.push_and_get_key(material));
         let round = |p: &DVec3| (*p / STEP_M).round() * STEP_M;
         self.scene.surfaces.push(Surface {
-            node: NodeId::from(0),
-            material,
             positions_m: polygon.iter().map(round).collect(),
             polygons: vec![(0..polygon.len() as u32).collect()],
+            ..Surface::new(NodeId::from(0), material)
         });
         let piece = |piece: &Vec<DVec3>| Convex { corners: piece.iter().map(round).collect(), radiance };
         self.world.pieces.extend(pieces.iter().map(piece));

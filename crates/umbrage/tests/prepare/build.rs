@@ -21,7 +21,7 @@ impl Build {
             material.double_sided = name == "sheet";
             let material: MaterialId = scene.materials.push_and_get_key(material);
             let node = NodeId::from(0);
-            scene.surfaces.push(Surface { node, material, positions_m: Vec::new(), polygons: Vec::new() });
+            scene.surfaces.push(Surface::new(node, material));
         }
         Self(scene)
     }
