@@ -35,6 +35,10 @@ const FMAX: f64 = 0.04;
 /// as small.
 const MIN_AREA_OF_TOTAL: f64 = 7e-4;
 
+/// Exact bounces go on until the next would change the light by less than this share of it, if changes go on falling as
+/// they do.
+const UNBOUNCED: f64 = 3e-4;
+
 /// d-segments that change irradiance by less than this share of the tolerance are left out.
 const WEAK_OF_TOLERANCE: f64 = 1.0;
 
@@ -222,14 +226,19 @@ pub fn bake_and_keep(
 
     let direct = DirectLight::new(scene, &prepared, &visibility);
     let mut surfaces = Surfaces::new(scene, &prepared, &mesh, &direct);
-    let solution = solve::solve(&mesh, &surfaces, &links, settings.solve, progress)?;
-    let light = |solution| Irradiance::new(&prepared, &visibility, &mesh, &direct, solution);
-    surfaces.missed = shade::missed_by_links(&prepared, &mesh, &surfaces, &light(&solution), &solution, progress)?;
-    let solution = solve::solve(&mesh, &surfaces, &links, settings.solve, progress)?;
+    let mut solution = solve::solve(&mesh, &surfaces, &links, settings.solve, progress)?;
+    let (mut before, mut change) = (1.0, 1.0);
+    while change * change > UNBOUNCED * before {
+        let light = Irradiance::new(&prepared, &visibility, &mesh, &direct, &solution);
+        shade::add_missed_by_links(&prepared, &mesh, &mut surfaces, &light, &solution, progress)?;
+        let bounced = solve::solve(&mesh, &surfaces, &links, settings.solve, progress)?;
+        (before, change) = (change, bounced.relative_change(&mesh, &solution).min(0.5 * change));
+        solution = bounced;
+    }
     check(|| solution.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Solve);
 
-    let light = light(&solution);
+    let light = Irradiance::new(&prepared, &visibility, &mesh, &direct, &solution);
     let mut shown = if settings.shade.tolerance.is_finite() {
         Mesh::new(&prepared, &discontinuities.segments, mesh_settings)
     } else {

@@ -9,7 +9,7 @@
 use rayon::prelude::*;
 
 use super::Irradiance;
-use crate::id::{PatchId, Table};
+use crate::id::PatchId;
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress, Stage};
@@ -17,40 +17,43 @@ use crate::scene::Rgb;
 use crate::solve::{Solution, Surfaces};
 use crate::visibility::ReceiverPoint;
 
-/// Patches between two reports of progress.
+/// Leaves between two reports of progress.
 const LEAVES_A_REPORT: usize = 256;
 
-/// The irradiance that links miss of every leaf, by one bounce of `solution`, whose light `irradiance` evaluates: what
-/// [`Surfaces::missed`] wants; zero for patches that are split.
+/// Adds to [`Surfaces::missed`] the irradiance that links miss of every leaf, by one bounce of `solution`, whose light
+/// `irradiance` evaluates.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.
-pub fn missed_by_links(
+pub fn add_missed_by_links(
     prepared: &Prepared,
     mesh: &Mesh,
-    surfaces: &Surfaces,
+    surfaces: &mut Surfaces,
     irradiance: &Irradiance<'_>,
     solution: &Solution,
     progress: Progress<'_>,
-) -> Result<Table<PatchId, Rgb>, Cancelled> {
-    let of = |number: usize| {
-        let patch = mesh.patch(PatchId::from(number));
-        if patch.subpatches.is_some() {
-            return Ok(Rgb::ZERO);
-        }
-        if number.is_multiple_of(LEAVES_A_REPORT) {
-            progress.report(Stage::Solve, number, mesh.patch_count())?;
-        }
-        let receiver = ReceiverPoint::on_face(prepared, patch.face, patch.centroid_m);
-        let leaf = PatchId::from(number);
-        Ok(surfaces.direct[leaf].mean + irradiance.indirect(&receiver) - solution.irradiance[leaf])
-    };
-    (0..mesh.patch_count()).into_par_iter().map(of).collect::<Result<Vec<Rgb>, Cancelled>>().map(Table::from)
+) -> Result<(), Cancelled> {
+    let leaves: Vec<PatchId> = mesh.leaves().collect();
+    let missed = leaves
+        .par_iter()
+        .enumerate()
+        .map(|(number, &leaf)| {
+            if number.is_multiple_of(LEAVES_A_REPORT) {
+                progress.report(Stage::Solve, number, leaves.len())?;
+            }
+            let patch = mesh.patch(leaf);
+            let receiver = ReceiverPoint::on_face(prepared, patch.face, patch.centroid_m);
+            Ok(surfaces.direct[leaf].mean + irradiance.indirect(&receiver) - solution.irradiance[leaf])
+        })
+        .collect::<Result<Vec<Rgb>, Cancelled>>()?;
+    leaves.into_iter().zip(missed).for_each(|(leaf, missed)| surfaces.missed[leaf] += missed);
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::id::Table;
     use crate::mesh::MeshSettings;
     use crate::scene::Material;
     use crate::solve::{SolveSettings, solve};
@@ -83,7 +86,7 @@ mod tests {
         };
         let by_links = solved(&surfaces);
         let light = Irradiance::new(&prepared, &index, &mesh, &direct, &by_links);
-        surfaces.missed = missed_by_links(&prepared, &mesh, &surfaces, &light, &by_links, Progress::silent()).unwrap();
+        add_missed_by_links(&prepared, &mesh, &mut surfaces, &light, &by_links, Progress::silent()).unwrap();
         let corrected = solved(&surfaces);
         assert!(error(&corrected) < 2e-3, "{}", error(&corrected));
         assert!(error(&corrected) < 0.3 * error(&by_links), "{} {}", error(&corrected), error(&by_links));

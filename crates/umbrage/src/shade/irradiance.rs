@@ -3,7 +3,8 @@
 //! Indirect light is gathered from all faces, from each as exactly as it can matter there:
 //! - of a strong one the part that the point sees is found exactly, and what that part reflects is summed down the face's
 //!   patches ([`Reflected`]). So a shadow in indirect light is as sharp as it is, however coarse the links are;
-//! - of a weak one the whole factor is exact, and one ray or a few tell how much of it is seen;
+//! - of a weak one the whole factor is exact, and one ray or a few tell how much of it is seen, of its
+//!   subpatches where it reflects unevenly;
 //! - where much stands before a strong one, its subpatches are looked at one by one, and are weak sooner or later.
 //!
 //! No light passes a wall either way. Links have no part in this: they are linear over their receivers, and at the borders
@@ -110,15 +111,19 @@ impl<'a> Irradiance<'a> {
         if most_of_mean <= 0.0 {
             return Rgb::ZERO;
         }
+        let subpatches = self.mesh.patch(patch).subpatches;
+        let by_subpatches = || subpatches.into_iter().flatten().map(|part| self.by_patch(receiver, part)).sum();
         if most_of_mean < WEAK_OF_MEAN {
+            if subpatches.is_some() && !self.reflected.is_linear(patch, factor) {
+                return by_subpatches();
+            }
             let rays = if most_of_mean < ONE_RAY_OF_MEAN { 1 } else { RAYS };
             return factor * self.seen_by_rays(receiver, patch, rays);
         }
-        let subpatches = self.mesh.patch(patch).subpatches;
         let most_shadows = if subpatches.is_some() { FEW_SHADOWS } else { usize::MAX };
-        match (self.visibility.visible_part_past(receiver, &source.polygon, most_shadows), subpatches) {
-            (Some(part), _) => self.by_visible_part(receiver, patch, part),
-            (None, parts) => parts.into_iter().flatten().map(|part| self.by_patch(receiver, part)).sum(),
+        match self.visibility.visible_part_past(receiver, &source.polygon, most_shadows) {
+            Some(part) => self.by_visible_part(receiver, patch, part),
+            None => by_subpatches(),
         }
     }
 

@@ -15,6 +15,6 @@ mod shade;
 mod smooth;
 
 pub use baked_mesh::{BakedMesh, BakedMeshError, BakedPart};
-pub use bounce::missed_by_links;
+pub use bounce::add_missed_by_links;
 pub use irradiance::Irradiance;
 pub use shade::{ShadeSettings, Shaded, shade};

@@ -92,6 +92,11 @@ impl<'a> Reflected<'a> {
         self.radiosity[patch].mean.max_element() + linear + departure
     }
 
+    /// Whether the linear fit of a patch tells what all of it reflects well enough for a point with this factor to it.
+    pub(super) fn is_linear(&self, patch: PatchId, factor: f64) -> bool {
+        factor * self.variation[patch].departure <= self.trifle
+    }
+
     /// Irradiance at a point by what `part` of a patch reflects, in W/m2.
     pub(super) fn by(&self, receiver: &ReceiverPoint, patch: PatchId, part: &Part) -> Rgb {
         self.by_patch(receiver, patch, part, factor(receiver, part))

@@ -58,6 +58,17 @@ pub enum SolutionError {
 }
 
 impl Solution {
+    /// Area mean of how much irradiance differs from that of `before`, over its area mean, in the worst channel.
+    pub fn relative_change(&self, mesh: &Mesh, before: &Solution) -> f64 {
+        let (mut change, mut light) = (Rgb::ZERO, Rgb::ZERO);
+        for leaf in mesh.leaves() {
+            let area_m2 = mesh.patch(leaf).area_m2;
+            change += area_m2 * (self.irradiance[leaf] - before.irradiance[leaf]).abs();
+            light += area_m2 * self.irradiance[leaf];
+        }
+        worst_share(change, light)
+    }
+
     /// Checks that light is finite and not negative.
     ///
     /// # Errors
@@ -124,7 +135,12 @@ fn relative_change(
         change += area_m2 * (after[leaf].mean - before[leaf].mean).abs();
         light += area_m2 * (surfaces.exitance[leaf] + after[leaf].mean);
     }
-    (0..3).filter(|&channel| light[channel] > 0.0).map(|channel| change[channel] / light[channel]).fold(0.0, f64::max)
+    worst_share(change, light)
+}
+
+/// The greatest share of the three colours; a colour without light has none.
+fn worst_share(part: Rgb, whole: Rgb) -> f64 {
+    (0..3).filter(|&channel| whole[channel] > 0.0).map(|channel| part[channel] / whole[channel]).fold(0.0, f64::max)
 }
 
 #[cfg(test)]

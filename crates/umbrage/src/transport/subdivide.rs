@@ -184,7 +184,7 @@ mod tests {
             square += mesh.patch(leaf).area_m2 * (sum - 1.0).powi(2);
             area_m2 += mesh.patch(leaf).area_m2;
         }
-        // Rays tell what the box hides; what they miss is found by the exact bounce of `shade::missed_by_links`.
+        // Rays tell what the box hides; what they miss is found by the exact bounce of `shade::add_missed_by_links`.
         assert!((mean / area_m2 - 1.0).abs() < 3e-3, "{}", mean / area_m2);
         assert!((square / area_m2).sqrt() < 0.05, "{}", (square / area_m2).sqrt());
     }
