@@ -37,7 +37,7 @@ const MIN_AREA_OF_TOTAL: f64 = 7e-4;
 
 /// Exact bounces go on until the next would change the light by less than this share of it, if changes go on falling as
 /// they do.
-const UNBOUNCED: f64 = 3e-4;
+const UNBOUNCED: f64 = 1e-4;
 
 /// d-segments that change irradiance by less than this share of the tolerance are left out.
 const WEAK_OF_TOLERANCE: f64 = 1.0;

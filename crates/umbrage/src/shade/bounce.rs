@@ -84,11 +84,15 @@ mod tests {
             let area_m2: f64 = mesh.leaves().map(|leaf| mesh.patch(leaf).area_m2).sum();
             (mesh.leaves().map(squared).sum::<f64>() / area_m2).sqrt() / 2.0
         };
-        let by_links = solved(&surfaces);
-        let light = Irradiance::new(&prepared, &index, &mesh, &direct, &by_links);
-        add_missed_by_links(&prepared, &mesh, &mut surfaces, &light, &by_links, Progress::silent()).unwrap();
-        let corrected = solved(&surfaces);
-        assert!(error(&corrected) < 2e-3, "{}", error(&corrected));
-        assert!(error(&corrected) < 0.3 * error(&by_links), "{} {}", error(&corrected), error(&by_links));
+        let mut solution = solved(&surfaces);
+        let mut errors = vec![error(&solution)];
+        for _ in 0..2 {
+            let light = Irradiance::new(&prepared, &index, &mesh, &direct, &solution);
+            add_missed_by_links(&prepared, &mesh, &mut surfaces, &light, &solution, Progress::silent()).unwrap();
+            solution = solved(&surfaces);
+            errors.push(error(&solution));
+        }
+        // What is left is what rays to weak patches err.
+        assert!(errors[1] < 0.2 * errors[0] && errors[2] < 2.5e-3, "{errors:?}");
     }
 }

@@ -31,7 +31,14 @@ pub(super) struct Element {
     bulges: [Rgb; 3],
     /// How far the field at the centroid departs from the mean of its corners.
     middle: Rgb,
+    /// Mean square of how far the field departs from the parabola through corners and middles, between the centroid and the
+    /// corners, where it was looked at there.
+    between: Rgb,
 }
+
+/// Where else a large element is looked at: barycentric coordinates. On a large face that is lit evenly all around, the
+/// points of the parabola alone, and its centroid, may be right by symmetry.
+const BETWEEN: [[f64; 3]; 3] = [[0.7, 0.2, 0.1], [0.1, 0.7, 0.2], [0.2, 0.1, 0.7]];
 
 impl Outlined {
     /// The triangles that `point_split` would make of a leaf.
@@ -59,13 +66,14 @@ impl Outlined {
         places.middle(mesh, self.patch, [triangle[i], triangle[(i + 1) % 3]].map(|k| &self.boundary[k]))
     }
 
-    /// The elements, once the values that they need are known.
+    /// The elements, once the values that they need are known. Those larger than `large_m2` are looked at in more points.
     pub(super) fn elements(
         &self,
         mesh: &Mesh,
         places: &Places<'_>,
         values: &Values,
         field: &impl Field,
+        large_m2: f64,
     ) -> Vec<Element> {
         let element = |&triangle: &[usize; 3]| {
             let [a, b, c] = triangle.map(|k| mesh.vertex_m(self.boundary[k].vertex));
@@ -76,13 +84,19 @@ impl Outlined {
                 let middle = values.get(&self.middle(mesh, places, triangle, i).key)?;
                 Some(middle - 0.5 * (at[i] + at[(i + 1) % 3]))
             };
-            let centroid = places.inside(mesh, self.patch, (a + b + c) / 3.0);
-            Some(Element {
-                area_m2: 0.5 * (b - a).cross(c - a).length(),
-                corners,
-                bulges: [bulge(0)?, bulge(1)?, bulge(2)?],
-                middle: field.at(mesh, &centroid, self.patch) - at.into_iter().sum::<Rgb>() / 3.0,
-            })
+            let bulges = [bulge(0)?, bulge(1)?, bulge(2)?];
+            let departure = |[p, q, r]: [f64; 3]| {
+                let point = places.inside(mesh, self.patch, p * a + q * b + r * c);
+                field.at(mesh, &point, self.patch) - (p * at[0] + q * at[1] + r * at[2])
+            };
+            let beyond = |[p, q, r]: [f64; 3]| {
+                let error = departure([p, q, r]) - 4.0 * (p * q * bulges[0] + q * r * bulges[1] + r * p * bulges[2]);
+                error * error
+            };
+            let area_m2 = 0.5 * (b - a).cross(c - a).length();
+            let between =
+                if area_m2 > large_m2 { BETWEEN.map(beyond).into_iter().sum::<Rgb>() / 3.0 } else { Rgb::ZERO };
+            Some(Element { area_m2, corners, bulges, middle: departure([1.0 / 3.0; 3]), between })
         };
         self.triangles.iter().filter_map(element).collect()
     }
@@ -100,13 +114,13 @@ impl Element {
         let quadratic = of_bulges - 2.0 * (2.0 / 15.0 * at_ends + 1.0 / 15.0 * opposite) + of_shifts;
         // A bump of height h over the centroid alone has a mean square of about h^2 / 6.
         let middle = self.middle - s.into_iter().sum::<Rgb>() / 3.0;
-        quadratic.max(middle * middle / 6.0)
+        quadratic.max(middle * middle / 6.0).max(self.between)
     }
 
-    /// Square of what quadratic interpolation errs at the centroid, per colour.
+    /// Square of what quadratic interpolation errs where it was looked at, per colour.
     pub(super) fn quadratic_error_squared(&self) -> Rgb {
         let middle = self.middle - 4.0 / 9.0 * self.bulges.into_iter().sum::<Rgb>();
-        middle * middle
+        (middle * middle).max(self.between)
     }
 }
 
@@ -155,7 +169,7 @@ mod tests {
     #[test]
     fn the_closed_form_is_the_mean_square_over_the_triangle() {
         let bulges = [0.3, -0.1, 0.7].map(Rgb::splat);
-        let element = Element { area_m2: 1.0, corners: [0, 1, 2], bulges, middle: Rgb::ZERO };
+        let element = Element { area_m2: 1.0, corners: [0, 1, 2], bulges, middle: Rgb::ZERO, between: Rgb::ZERO };
         let shifts = [0.2, -0.4, 0.1].map(Rgb::splat);
         let squared = element.linear_error_squared(&shifts).x;
         assert!((squared / sampled(&element, &shifts) - 1.0).abs() < 0.02, "{squared}");

@@ -22,6 +22,8 @@ use crate::scene::Rgb;
 const SHARE_A_ROUND: f64 = 0.6;
 /// A round that would split less than this share of the leaves splits so many, so that rounds stay few.
 const LEAST_SHARE_OF_LEAVES: f64 = 0.02;
+/// Elements larger than this share of all area are looked at in more points before interpolation over them is trusted.
+const LARGE_OF_ALL: f64 = 2e-3;
 /// No refinement needs more rounds: each halves the greatest errors at least.
 const MOST_ROUNDS: usize = 60;
 
@@ -79,6 +81,7 @@ pub(super) fn refine(
     for _ in 0..MOST_ROUNDS {
         known.resize(mesh.patch_count(), None);
         let leaves: Vec<PatchId> = mesh.leaves().filter(|&leaf| receives(mesh, leaf)).collect();
+        let large_m2 = LARGE_OF_ALL * leaves.iter().map(|&leaf| mesh.patch(leaf).area_m2).sum::<f64>();
         let is_stale =
             |leaf: PatchId| known[leaf.index()].as_ref().is_none_or(|known| known.points != mesh.boundary(leaf).len());
         let stale: Vec<Outlined> =
@@ -86,7 +89,7 @@ pub(super) fn refine(
         let requests = stale.par_iter().flat_map_iter(|leaf| leaf.requests(mesh, places)).collect();
         refined.values.evaluate(mesh, field, requests, progress)?;
         let fresh: Vec<Vec<Element>> =
-            stale.par_iter().map(|leaf| leaf.elements(mesh, places, &refined.values, field)).collect();
+            stale.par_iter().map(|leaf| leaf.elements(mesh, places, &refined.values, field, large_m2)).collect();
         for (leaf, elements) in stale.iter().zip(fresh) {
             known[leaf.patch.index()] = Some(Known { points: leaf.point_count(), elements });
         }
