@@ -71,7 +71,7 @@ impl<'a> Irradiance<'a> {
     ) -> Self {
         let roots: Vec<PatchId> = prepared.faces.keys().map(|face| mesh.root(face)).collect();
         let area_m2: f64 = roots.iter().map(|&root| mesh.patch(root).area_m2).sum();
-        let power: Rgb = roots.iter().map(|&root| solution.irradiance[root] * mesh.patch(root).area_m2).sum();
+        let power: Rgb = roots.iter().map(|&root| solution.irradiance[root].mean * mesh.patch(root).area_m2).sum();
         let mean = power.element_sum() / 3.0 / area_m2;
         let reflected = Reflected::new(mesh, &solution.reflected, power.max_element() / area_m2);
         let reflecting = |(id, patch): (PatchId, &Patch)| {

@@ -34,8 +34,8 @@ impl Default for SolveSettings {
 pub struct Solution {
     /// What each patch reflects, `B - M`, in W/m2: its area mean and the best linear fit.
     pub reflected: Table<PatchId, Linear<Rgb>>,
-    /// Irradiance `E` of each patch, in W/m2: its area mean.
-    pub irradiance: Table<PatchId, Rgb>,
+    /// Irradiance `E` of each patch, in W/m2: its area mean, and of leaves the best linear fit.
+    pub irradiance: Table<PatchId, Linear<Rgb>>,
     /// Relative residual that was reached.
     pub residual: f64,
     /// Iterations that it took.
@@ -63,8 +63,8 @@ impl Solution {
         let (mut change, mut light) = (Rgb::ZERO, Rgb::ZERO);
         for leaf in mesh.leaves() {
             let area_m2 = mesh.patch(leaf).area_m2;
-            change += area_m2 * (self.irradiance[leaf] - before.irradiance[leaf]).abs();
-            light += area_m2 * self.irradiance[leaf];
+            change += area_m2 * (self.irradiance[leaf].mean - before.irradiance[leaf].mean).abs();
+            light += area_m2 * self.irradiance[leaf].mean;
         }
         worst_share(change, light)
     }
@@ -74,10 +74,9 @@ impl Solution {
     /// # Errors
     /// The first bad value.
     pub fn validate(&self) -> Result<(), SolutionError> {
-        for (patch, (reflected, &irradiance)) in self.reflected.keys().zip(self.reflected.iter().zip(&self.irradiance))
-        {
+        for (patch, (reflected, irradiance)) in self.reflected.keys().zip(self.reflected.iter().zip(&self.irradiance)) {
             let good = |light: Rgb| light.is_finite() && light.min_element() >= 0.0;
-            let reflected = reflected.mean;
+            let (reflected, irradiance) = (reflected.mean, irradiance.mean);
             if !good(reflected) || !good(irradiance) {
                 return Err(SolutionError::BadLight { patch, reflected, irradiance });
             }
@@ -109,7 +108,7 @@ pub fn solve(
     }
     tracing::debug!(iterations, residual, "solved");
     let reflected = reflected.iter_enumerated().map(|(id, node)| linear(surfaces, id, node)).collect();
-    Ok(Solution { reflected, irradiance: irradiance.iter().map(|node| node.mean).collect(), residual, iterations })
+    Ok(Solution { reflected, irradiance, residual, iterations })
 }
 
 /// The linear function with given moments.
@@ -200,7 +199,7 @@ mod tests {
         for channel in 0..3 {
             let emitted = mean_over_leaves(&mesh, |leaf| surfaces.exitance[leaf][channel]);
             let absorbed = mean_over_leaves(&mesh, |leaf| {
-                (1.0 - surfaces.reflectance[leaf][channel]) * solution.irradiance[leaf][channel]
+                (1.0 - surfaces.reflectance[leaf][channel]) * solution.irradiance[leaf].mean[channel]
             });
             assert!((absorbed / emitted - 1.0).abs() < 5e-3, "{absorbed} of {emitted} in channel {channel}");
         }

@@ -44,9 +44,7 @@ pub fn push_pull(
             None => (Linear::default(), surfaces.direct[id]),
         };
         let node = &mut irradiance[id];
-        node.mean += above.mean + direct.mean + surfaces.missed[id];
-        node.gradient[0] += above.gradient[0] + direct.gradient[0];
-        node.gradient[1] += above.gradient[1] + direct.gradient[1];
+        *node = *node + above + direct + surfaces.missed[id];
     }
     let mut reflected: Table<PatchId, RadiosityMoments> =
         Table::from(vec![RadiosityMoments::default(); mesh.patch_count()]);

@@ -20,7 +20,7 @@ pub struct Surfaces {
     pub direct: Table<PatchId, Linear<Rgb>>,
     /// Reflected irradiance that links miss, or bring too much of, in W/m2: zero until an exact bounce tells it of the
     /// leaves.
-    pub missed: Table<PatchId, Rgb>,
+    pub missed: Table<PatchId, Linear<Rgb>>,
     /// Area mean of the outer product of the offset from the centroid with itself, in the frame of the face, in square
     /// metres.
     pub second_moment_m2: Table<PatchId, DMat2>,
@@ -35,7 +35,7 @@ impl Surfaces {
             exitance: mesh.patches().map(|(_, patch)| material(patch).exitance()).collect(),
             reflectance: mesh.patches().map(|(_, patch)| material(patch).reflectance).collect(),
             direct: direct.over_leaves(mesh),
-            missed: Table::from(vec![Rgb::ZERO; mesh.patch_count()]),
+            missed: Table::from(vec![Linear::default(); mesh.patch_count()]),
             second_moment_m2: mesh.patches().map(|(id, _)| second_moment(id)).collect(),
         }
     }

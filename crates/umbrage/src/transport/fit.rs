@@ -3,7 +3,7 @@
 //! A constant over a large patch is wrong in the same direction for all that lies on one side of it: near an edge of a
 //! room the sum would err by a tenth, and light would get lost. A linear function errs by the curvature only.
 
-use std::ops::{Add, Mul};
+use std::ops::{Add, Mul, Sub};
 
 use glam::{DMat2, DVec2};
 
@@ -38,6 +38,24 @@ impl<V: Copy + Default + Add<Output = V> + Mul<f64, Output = V>> Linear<V> {
     /// The value at an offset from the centroid.
     pub fn at(&self, offset_m: DVec2) -> V {
         self.mean + self.gradient[0] * offset_m.x + self.gradient[1] * offset_m.y
+    }
+}
+
+impl<V: Add<Output = V>> Add for Linear<V> {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        let ([g, h], [other_g, other_h]) = (self.gradient, other.gradient);
+        Self { mean: self.mean + other.mean, gradient: [g + other_g, h + other_h] }
+    }
+}
+
+impl<V: Sub<Output = V>> Sub for Linear<V> {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        let ([g, h], [other_g, other_h]) = (self.gradient, other.gradient);
+        Self { mean: self.mean - other.mean, gradient: [g - other_g, h - other_h] }
     }
 }
 
