@@ -94,7 +94,7 @@ fn tiled_room() -> Build {
 
 fn baked(scene: &Scene, tolerance: f64) -> Bake {
     let shade = ShadeSettings { tolerance, ..ShadeSettings::default() };
-    let settings = BakeSettings { max_form_factor: 0.5, shade, ..BakeSettings::default() };
+    let settings = BakeSettings { max_form_factor: Some(0.5), shade, ..BakeSettings::default() };
     bake(scene, &settings, Progress::silent()).unwrap()
 }
 
@@ -309,7 +309,7 @@ fn a_smooth_column_has_one_value_and_one_normal_at_each_vertex_and_a_flat_one_ha
     build.primitive(json!({"attributes": {"POSITION": lamp}, "material": 1}));
     let (scene, _) = build.read().unwrap();
     let spread = |smooth: bool| {
-        let mut settings = BakeSettings { max_form_factor: 1.0, ..BakeSettings::default() };
+        let mut settings = BakeSettings { max_form_factor: Some(1.0), ..BakeSettings::default() };
         settings.shade.tolerance = f64::INFINITY;
         settings.prepare.smooth = smooth;
         let mesh = bake(&scene, &settings, Progress::silent()).unwrap().mesh;
