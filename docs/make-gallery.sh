@@ -9,7 +9,7 @@ work=target/gallery
 mkdir -p "$work"
 
 "$umbrage" demo --quiet --out-dir "$work"
-"$umbrage" bake --quiet testdata/scenes/room.obj -o "$work/room.glb" --max-form-factor 0.2 --tolerance 0.2
+"$umbrage" bake --quiet testdata/scenes/room.obj -o "$work/room.glb" --tolerance 0.05
 
 box=(--width 480 --height 480)
 "$umbrage" render "$work/cornell.glb" -o "$pictures/gallery-cornell.png" "${box[@]}"

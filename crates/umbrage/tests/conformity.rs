@@ -126,6 +126,12 @@ fn the_checker_finds_a_t_vertex_a_degenerate_triangle_and_a_jump() {
     let big = lit([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], 1.0);
     let below = lit([[0.5, 0.0, 0.0], [0.0, 0.0, 0.0], [0.5, -1.0, 0.0]], 1.0);
     assert_eq!(common::t_vertices(&[big, below], 1e-6).len(), 1);
+    // A box's side on a wall that goes on behind it, in four about the middle: nothing shows through.
+    let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let mut wall: Vec<_> = (0..4).map(|i| lit([square[i], square[(i + 1) % 4], [0.5, 0.5, 0.0]], 0.0)).collect();
+    wall.extend([lit([square[0], square[2], square[1]], 0.0), lit([square[0], square[3], square[2]], 0.0)]);
+    assert_eq!(common::t_vertices(&wall, 1e-6).len(), 0);
+    assert_eq!(common::t_vertices(&wall[..5], 1e-6).len(), 1, "the half of the side that is left ends in the open");
     let beside = lit([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], 2.0);
     assert_eq!(common::jumps(&[big, beside]), (1, 1));
     assert_eq!(common::degenerate(&[lit([[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], 0.0)], 1e-6), 1);

@@ -7,6 +7,7 @@
 )]
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 use glam::DVec3;
 use umbrage::shade::BakedMesh;
@@ -52,7 +53,8 @@ pub fn extent(triangles: &[Lit]) -> f64 {
     (hi - lo).max_element()
 }
 
-/// Pairs of a vertex and an edge of some triangle that it lies inside.
+/// Pairs of a vertex and an edge of some triangle that it lies inside, where a crack could show: not where a thing stands on a
+/// surface that goes on beneath it, and the two cover the same place, each without a gap.
 pub fn t_vertices(triangles: &[Lit], eps: f64) -> Vec<(DVec3, [DVec3; 2])> {
     let mut points: Vec<DVec3> = triangles.iter().flat_map(|t| t.corners).collect();
     points.sort_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(p.z.total_cmp(&q.z)));
@@ -72,7 +74,33 @@ pub fn t_vertices(triangles: &[Lit], eps: f64) -> Vec<(DVec3, [DVec3; 2])> {
             }
         }
     }
+    found.retain(|&(vertex, edge)| !(is_surrounded(triangles, vertex) && is_inside_a_plane(triangles, edge)));
     found
+}
+
+/// Whether coplanar triangles that look the same way surround a vertex.
+fn is_surrounded(triangles: &[Lit], vertex: DVec3) -> bool {
+    let fan: Vec<(DVec3, f64)> = triangles
+        .iter()
+        .filter_map(|triangle| {
+            let k = triangle.corners.iter().position(|&corner| corner == vertex)?;
+            let [next, previous] = [1, 2].map(|step| triangle.corners[(k + step) % 3] - vertex);
+            Some((triangle.normal(), next.angle_between(previous)))
+        })
+        .collect();
+    let turn =
+        |normal: DVec3| fan.iter().filter(|(other, _)| other.dot(normal) > 0.9999).map(|(_, angle)| angle).sum::<f64>();
+    fan.iter().any(|&(normal, _)| turn(normal) > TAU - 1e-3)
+}
+
+/// Whether coplanar triangles that look the same way meet in an edge.
+fn is_inside_a_plane(triangles: &[Lit], [p, q]: [DVec3; 2]) -> bool {
+    let sides: Vec<DVec3> = triangles
+        .iter()
+        .filter(|triangle| [p, q].iter().all(|end| triangle.corners.contains(end)))
+        .map(Lit::normal)
+        .collect();
+    sides.iter().enumerate().any(|(i, side)| sides[i + 1..].iter().any(|other| side.dot(*other) > 0.9999))
 }
 
 /// Triangles without area: less than the square of `eps`.
