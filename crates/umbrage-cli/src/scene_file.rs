@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use clap::{Args, ValueEnum};
 use umbrage::scene::Scene;
-use umbrage_formats::{LampUnits, MaterialColour, Overrides, ReadOptions, UpAxis, Warning, read_scene_with};
+use umbrage_formats::{
+    FormatError, LampUnits, MaterialColour, Overrides, ReadOptions, UpAxis, Warning, read_scene_and_files,
+};
 
 use crate::output;
 
@@ -93,18 +95,20 @@ impl SceneArgs {
     /// # Errors
     /// Where the scene or the TOML cannot be read.
     pub fn read(&self, path: &Path, max_reflectance: f64) -> anyhow::Result<Scene> {
-        let (scene, warnings) = self.read_silently(path, max_reflectance)?;
+        let (scene, warnings) = self.read_silently(path, max_reflectance).1?;
         for warning in &warnings {
             output::warning(&format!("{}: {warning}", path.display()));
         }
         Ok(scene)
     }
 
-    /// The same for a program that tells the warnings itself.
-    ///
-    /// # Errors
-    /// Where the scene or the TOML cannot be read.
-    pub fn read_silently(&self, path: &Path, max_reflectance: f64) -> anyhow::Result<(Scene, Vec<Warning>)> {
+    /// The same for a program that tells the warnings itself. Also tells what files it is made of, those that are not there
+    /// included, and those that were asked for until reading failed.
+    pub fn read_silently(
+        &self,
+        path: &Path,
+        max_reflectance: f64,
+    ) -> (Vec<PathBuf>, anyhow::Result<(Scene, Vec<Warning>)>) {
         let up = match self.up_axis {
             Up::Y => UpAxis::Y,
             Up::Z => UpAxis::Z,
@@ -115,7 +119,18 @@ impl SceneArgs {
         };
         let unit_m = self.unit.metres();
         let options = ReadOptions { max_reflectance, unit_m, up, lamp_units, ..ReadOptions::default() };
-        let (mut scene, mut warnings) = read_scene_with(path, &options)?;
+        let (mut files, read) = read_scene_and_files(path, &options);
+        files.push(self.materials_path(path));
+        (files, self.overridden(path, read, max_reflectance))
+    }
+
+    fn overridden(
+        &self,
+        path: &Path,
+        read: Result<(Scene, Vec<Warning>), FormatError>,
+        max_reflectance: f64,
+    ) -> anyhow::Result<(Scene, Vec<Warning>)> {
+        let (mut scene, mut warnings) = read?;
         warnings.extend(self.overrides(path)?.apply(&mut scene, max_reflectance)?);
         Ok((scene, warnings))
     }

@@ -1,10 +1,52 @@
-//! Files beside a scene that it refers to: material libraries, includes.
+//! Files beside a scene that it refers to: buffers, images, material libraries, includes.
 //!
 //! A scene from a stranger shall not read the rest of the disk: names are taken relative to a folder, and what they mean
-//! has to lie in the scene's folder or below. A pipe or a device would never end, so only plain files are read.
+//! has to lie in the scene's folder or below. A pipe or a device would never end, so only plain files are read. Whoever
+//! wants to know when a scene changes has to look at these files too, so that each one that is asked for is written down.
 
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
+use std::rc::Rc;
+
+/// The folder of a scene. Clones write into one list.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Folder {
+    path: PathBuf,
+    asked: Rc<RefCell<BTreeSet<PathBuf>>>,
+}
+
+impl Folder {
+    /// That of the scene at `scene`.
+    pub(crate) fn of(scene: &Path) -> Self {
+        Self { path: scene.parent().unwrap_or(Path::new("")).to_path_buf(), ..Self::default() }
+    }
+
+    /// The path of a file in it.
+    pub(crate) fn join(&self, relative: &Path) -> PathBuf {
+        self.path.join(relative)
+    }
+
+    /// The bytes of a plain file in it.
+    ///
+    /// # Errors
+    /// In words, if there is none or it cannot be read.
+    pub(crate) fn read(&self, relative: &Path) -> Result<Vec<u8>, String> {
+        let path = self.join(relative);
+        self.asked.borrow_mut().insert(path.clone());
+        match fs::metadata(&path) {
+            Err(error) => Err(format!("cannot be read ({error})")),
+            Ok(metadata) if !metadata.is_file() => Err("is not a file".into()),
+            Ok(_) => fs::read(&path).map_err(|error| format!("cannot be read ({error})")),
+        }
+    }
+
+    /// All files that were asked for, whether they are there or not.
+    pub(crate) fn asked(&self) -> BTreeSet<PathBuf> {
+        self.asked.borrow().clone()
+    }
+}
 
 /// The path that `name` means when it is written in a file of the folder `from`; both are relative to the scene's folder.
 ///
@@ -28,23 +70,6 @@ pub(crate) fn relative_path(from: &Path, name: &str) -> Result<PathBuf, &'static
     Ok(path)
 }
 
-/// The bytes of a plain file.
-///
-/// # Errors
-/// In words, if there is none or it cannot be read.
-pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, String> {
-    match fs::metadata(path) {
-        Err(error) => Err(format!("cannot be read ({error})")),
-        Ok(metadata) if !metadata.is_file() => Err("is not a file".into()),
-        Ok(_) => fs::read(path).map_err(|error| format!("cannot be read ({error})")),
-    }
-}
-
-/// The folder that the names in a file are relative to.
-pub(crate) fn folder(path: &Path) -> &Path {
-    path.parent().unwrap_or(Path::new(""))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -63,7 +88,11 @@ mod tests {
 
     #[test]
     fn only_plain_files_are_read() {
-        assert!(read_file(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap_err().contains("not a file"));
-        assert!(read_file(Path::new("nowhere/at/all")).is_err());
+        let folder = Folder::of(&Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml"));
+        assert!(folder.read(Path::new("src")).unwrap_err().contains("not a file"));
+        assert!(folder.read(Path::new("nowhere/at/all")).is_err());
+        assert!(folder.read(Path::new("Cargo.toml")).is_ok());
+        let asked = ["Cargo.toml", "nowhere/at/all", "src"].map(|name| folder.join(Path::new(name)));
+        assert!(folder.clone().asked().into_iter().eq(asked), "there or not");
     }
 }

@@ -1,6 +1,7 @@
 //! Scene files in, baked GLB files out.
 //!
 //! - [`read_scene`] reads a scene (glTF, OBJ, MGF, PLY, STL) and says in typed [`Warning`]s what it did not take over;
+//!   [`read_scene_and_files`] tells also what files it is made of;
 //! - [`Overrides`] say of a scene's materials what the file does not: which of them give light;
 //! - [`choose_nodes`] says which of its nodes are baked, while the others only take part in the light;
 //! - [`write_baked_glb`] writes a baked mesh as one ordinary GLB, all or nothing;
@@ -34,7 +35,8 @@ pub use error::FormatError;
 pub use gltf::{BakeFacts, Written, baked_glb_bytes, write_baked_glb};
 pub use overrides::{MaterialColour, Overrides};
 pub use read::{
-    LampUnits, ReadOptions, UpAxis, read_baked, read_baked_bytes, read_scene, read_scene_bytes, read_scene_with,
+    LampUnits, ReadOptions, UpAxis, read_baked, read_baked_bytes, read_scene, read_scene_and_files, read_scene_bytes,
+    read_scene_with,
 };
 pub use umbrage::scene::Wrap as TextureWrap;
 pub use warning::Warning;

@@ -1,11 +1,12 @@
 //! Reading a scene, whatever its format: the file's first bytes decide, then its name.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DMat3, DVec3};
 use umbrage::scene::Scene;
 
+use crate::beside::Folder;
 use crate::{BakedFile, FormatError, Warning, gltf, mgf, obj, ply, stl};
 
 /// How a scene is read.
@@ -95,10 +96,42 @@ pub fn read_scene_bytes(
     options: &ReadOptions,
 ) -> Result<(Scene, Vec<Warning>), FormatError> {
     let path = path.as_ref();
+    read_in(path, bytes, &Folder::of(path), options)
+}
+
+/// Reads a scene, and tells what files it is made of, which have to be looked at to know when it changes: its own, and all
+/// that it refers to, whether they are there or not. Where reading fails, those that were asked for until then.
+///
+/// ```
+/// use umbrage_formats::{ReadOptions, read_scene_and_files};
+///
+/// let (files, scene) = read_scene_and_files("no/such/room.obj", &ReadOptions::default());
+/// assert!(scene.is_err() && files == [std::path::Path::new("no/such/room.obj")]);
+/// ```
+pub fn read_scene_and_files(
+    path: impl AsRef<Path>,
+    options: &ReadOptions,
+) -> (Vec<PathBuf>, Result<(Scene, Vec<Warning>), FormatError>) {
+    let path = path.as_ref();
+    let folder = Folder::of(path);
+    let scene = read_file(path).and_then(|bytes| read_in(path, bytes, &folder, options));
+    let mut files = folder.asked();
+    // A file may refer to itself.
+    files.remove(path);
+    (std::iter::once(path.to_path_buf()).chain(files).collect(), scene)
+}
+
+/// Reads a scene from the bytes of a file; what it refers to is in `folder`.
+fn read_in(
+    path: &Path,
+    bytes: Vec<u8>,
+    folder: &Folder,
+    options: &ReadOptions,
+) -> Result<(Scene, Vec<Warning>), FormatError> {
     let (mut scene, warnings) = match format_of(path, &bytes)? {
-        Format::Gltf => gltf::read(path, bytes, options),
-        Format::Mgf => mgf::read(path, &bytes, options),
-        Format::Obj => obj::read(path, &bytes, options),
+        Format::Gltf => gltf::read(path, bytes, folder, options),
+        Format::Mgf => mgf::read(path, &bytes, folder, options),
+        Format::Obj => obj::read(path, &bytes, folder, options),
         Format::Ply => ply::read(path, &bytes, options),
         Format::Stl => stl::read(path, &bytes, options),
     }?;

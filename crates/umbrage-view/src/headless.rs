@@ -18,7 +18,7 @@ use crate::upload::UploadedMarks;
 /// # Errors
 /// Where the file cannot be opened, or not drawn in the way that is asked for.
 pub fn screenshot(options: &ViewOptions, gpu: Gpu) -> anyhow::Result<Picture> {
-    let loaded = load(&options.job, Progress::silent())?;
+    let loaded = load(&options.job, Progress::silent(), &|_| {})?;
     let path = options.job.path.display();
     if options.lines.needs_bake() && loaded.baked.is_none() {
         bail!("{path}: a baked file does not hold shadow edges and patches: give the scene that it was baked from");

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use std::{fs, thread};
 
@@ -23,6 +23,7 @@ use umbrage_cli::shown::Shown;
 use umbrage_formats::{FormatError, ReadOptions, baked_glb_bytes, read_baked_bytes};
 
 use crate::layout::{Tables, lay_out};
+use crate::watch::Stamps;
 
 /// What to open, and how to bake it if it is a scene.
 #[derive(Clone, Debug)]
@@ -55,18 +56,18 @@ pub(crate) struct BakedHere {
     pub(crate) glb: Vec<u8>,
 }
 
-/// Opens a file; waits until it is done.
+/// Opens a file; waits until it is done. `tell_files` is told what files a scene is made of, before it is baked.
 ///
 /// # Errors
 /// Where the file cannot be read or baked, or the callback cancels.
-pub(crate) fn load(job: &Job, progress: Progress<'_>) -> anyhow::Result<Loaded> {
+pub(crate) fn load(job: &Job, progress: Progress<'_>, tell_files: &dyn Fn(Vec<PathBuf>)) -> anyhow::Result<Loaded> {
     let begin = Instant::now();
     let Job { path, .. } = job;
     let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
     let (file, baked, warnings) = match read_baked_bytes(path, bytes) {
         Ok(file) => (file, None, Vec::new()),
         Err(FormatError::NotBaked { .. }) => {
-            let (baked, warnings) = bake_here(job, progress)?;
+            let (baked, warnings) = bake_here(job, progress, tell_files)?;
             (read_baked_bytes(path, baked.glb.clone())?, Some(baked), warnings)
         }
         Err(error) => return Err(error.into()),
@@ -77,9 +78,15 @@ pub(crate) fn load(job: &Job, progress: Progress<'_>) -> anyhow::Result<Loaded> 
     Ok(Loaded { shown, tables, baked, warnings, took: begin.elapsed() })
 }
 
-fn bake_here(job: &Job, progress: Progress<'_>) -> anyhow::Result<(BakedHere, Vec<String>)> {
+fn bake_here(
+    job: &Job,
+    progress: Progress<'_>,
+    tell_files: &dyn Fn(Vec<PathBuf>),
+) -> anyhow::Result<(BakedHere, Vec<String>)> {
     let Job { path, reading, settings } = job;
-    let (scene, warnings) = reading.read_silently(path, ReadOptions::default().max_reflectance)?;
+    let (files, read) = reading.read_silently(path, ReadOptions::default().max_reflectance);
+    tell_files(files);
+    let (scene, warnings) = read?;
     let (bake, meshed) =
         bake_and_keep(&scene, settings, progress).with_context(|| format!("cannot bake {}", path.display()))?;
     let glb = baked_glb_bytes(&scene, &bake.mesh, &facts(settings, &bake.report, None))?;
@@ -91,6 +98,7 @@ fn bake_here(job: &Job, progress: Progress<'_>) -> anyhow::Result<(BakedHere, Ve
 pub(crate) struct Loading {
     result: Receiver<anyhow::Result<Loaded>>,
     update: Arc<Mutex<Option<Update>>>,
+    files: Arc<Mutex<Option<Stamps>>>,
     cancelled: Arc<AtomicBool>,
     begin: Instant,
 }
@@ -102,6 +110,8 @@ impl Loading {
         let update = Arc::new(Mutex::new(None));
         let cancelled = Arc::new(AtomicBool::new(false));
         let (told, stop) = (Arc::clone(&update), Arc::clone(&cancelled));
+        let files = Arc::new(Mutex::new(None));
+        let told_files = Arc::clone(&files);
         thread::spawn(move || {
             let callback = |update| {
                 if stop.load(Ordering::Relaxed) {
@@ -113,17 +123,26 @@ impl Loading {
                 }
                 ControlFlow::Continue(())
             };
-            let loaded = load(&job, Progress::new(&callback));
+            let tell_files = |files: Vec<PathBuf>| {
+                let stamps = Stamps::now(files);
+                *told_files.lock().unwrap_or_else(PoisonError::into_inner) = Some(stamps);
+            };
+            let loaded = load(&job, Progress::new(&callback), &tell_files);
             // Nobody may be waiting any more.
             let _ = sender.send(loaded);
             wake();
         });
-        Self { result, update, cancelled, begin: Instant::now() }
+        Self { result, update, files, cancelled, begin: Instant::now() }
     }
 
     /// How far it is; nothing while the file is being read.
     pub(crate) fn update(&self) -> Option<Update> {
         self.update.lock().map_or(None, |update| *update)
+    }
+
+    /// What files the scene is made of, as they were when it had been read; told once.
+    pub(crate) fn take_files(&self) -> Option<Stamps> {
+        self.files.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
     /// How long it has been running.
@@ -182,7 +201,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("baked.glb");
         fs::write(&path, &baked.glb).unwrap();
-        let again = load(&Job { path, ..job("") }, Progress::silent()).unwrap();
+        let again = load(&Job { path, ..job("") }, Progress::silent(), &|_| {}).unwrap();
         assert!(again.baked.is_none());
         assert_eq!(again.tables.vertices, loaded.tables.vertices);
     }
@@ -199,7 +218,7 @@ mod tests {
     fn what_cannot_be_read_is_told() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("broken.glb");
-        let told = |job: &Job| format!("{:#}", load(job, Progress::silent()).err().unwrap());
+        let told = |job: &Job| format!("{:#}", load(job, Progress::silent(), &|_| {}).err().unwrap());
         assert!(told(&Job { path: path.clone(), ..job("") }).contains("broken.glb"));
         fs::write(&path, "no glb").unwrap();
         assert!(told(&Job { path, ..job("") }).contains("broken.glb"));

@@ -1,8 +1,8 @@
-//! The file that is open in a window: it is opened, baked if it is a scene, and opened again when it changes.
+//! The file that is open in a window: it is opened, baked if it is a scene, and opened again when it changes, or what it is
+//! made of: buffers, images, material libraries, includes, the TOML beside it.
 //!
 //! Holds: what is shown stays until something newer is there, whatever fails or is cancelled meanwhile.
 
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use eframe::egui::Context;
@@ -28,7 +28,7 @@ pub(crate) struct Session {
 impl Session {
     /// Begins to open a file.
     pub(crate) fn new(job: Job, ctx: &Context) -> Self {
-        let watch = Watch::new(watched(&job));
+        let watch = Watch::new(job.path.clone(), [job.reading.materials_path(&job.path)]);
         let mut session = Self { job, loading: None, loaded: None, failure: None, watch, looked: Instant::now() };
         session.open(ctx);
         session
@@ -61,7 +61,13 @@ impl Session {
                 self.open(ctx);
             }
         }
-        let Some(result) = self.loading.as_ref().and_then(Loading::result) else { return false };
+        let Some(loading) = &self.loading else { return false };
+        // In this order: what tells the files comes before the result.
+        let result = loading.result();
+        if let Some(files) = loading.take_files() {
+            self.watch.follow(files);
+        }
+        let Some(result) = result else { return false };
         self.loading = None;
         match result {
             Ok(loaded) => {
@@ -82,22 +88,22 @@ impl Session {
     }
 }
 
-/// The scene, and what may say more of its materials.
-fn watched(job: &Job) -> Vec<PathBuf> {
-    let mut files = vec![job.path.clone(), job.reading.materials_path(&job.path)];
-    // A library of materials beside an OBJ has its name, usually.
-    files.push(job.path.with_extension("mtl"));
-    files
-}
-
 #[cfg(test)]
 mod tests {
+    use std::path::{Path, PathBuf};
     use std::{fs, thread};
 
     use umbrage::shade::ShadeSettings;
     use umbrage_cli::scene_file::SceneArgs;
 
     use super::*;
+
+    /// A coarse bake of a scene.
+    fn job(path: &Path) -> Job {
+        let coarse = ShadeSettings { tolerance: f64::INFINITY, ..ShadeSettings::default() };
+        let settings = BakeSettings { max_form_factor: Some(0.5), shade: coarse, ..BakeSettings::default() };
+        Job { path: path.to_path_buf(), reading: SceneArgs::default(), settings }
+    }
 
     /// Looks until something new is there.
     fn wait(session: &mut Session, ctx: &Context) {
@@ -114,10 +120,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene.glb");
         fs::copy(scenes.join("occluder.glb"), &path).unwrap();
-        let coarse = ShadeSettings { tolerance: f64::INFINITY, ..ShadeSettings::default() };
-        let settings = BakeSettings { max_form_factor: Some(0.5), shade: coarse, ..BakeSettings::default() };
         let ctx = Context::default();
-        let mut session = Session::new(Job { path: path.clone(), reading: SceneArgs::default(), settings }, &ctx);
+        let mut session = Session::new(job(&path), &ctx);
         wait(&mut session, &ctx);
         assert!(session.loaded.as_ref().unwrap().baked.is_some());
         let before = session.loaded.as_ref().unwrap().tables.vertices.clone();
@@ -133,5 +137,39 @@ mod tests {
             thread::sleep(Duration::from_millis(20));
         }
         assert_eq!(session.loaded.as_ref().unwrap().tables.vertices, after);
+    }
+
+    /// The green that the first material that is no lamp reflects.
+    fn green(session: &Session) -> f64 {
+        let scene = &session.loaded.as_ref().unwrap().baked.as_ref().unwrap().scene;
+        scene.materials.iter().find(|material| !material.emits()).unwrap().reflectance.y
+    }
+
+    #[test]
+    fn a_scene_is_baked_again_when_what_it_refers_to_changes() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str| folder.path().join(name);
+        let square = |y: f64| format!("v 0 {y} 0\nv 0 {y} 1\nv 1 {y} 1\nv 1 {y} 0\n");
+        let room = "usemtl paint\nf 1 2 3 4\nusemtl lamp\nf 8 7 6 5\n";
+        fs::create_dir(file("lib")).unwrap();
+        fs::write(file("room.obj"), format!("mtllib lib/a.mtl\n{}{}{room}", square(0.0), square(1.0))).unwrap();
+        let paint = |green: f64| format!("newmtl paint\nKd 0.1 {green} 0.1\nnewmtl lamp\nKe 1 1 1\n");
+        let ctx = Context::default();
+
+        // Without its library nothing gives light: that is told, and the library is waited for.
+        let mut session = Session::new(job(&file("room.obj")), &ctx);
+        while session.failure.is_none() {
+            assert!(!session.look(&ctx));
+            thread::sleep(Duration::from_millis(20));
+        }
+        fs::write(file("lib/a.mtl"), paint(0.25)).unwrap();
+        wait(&mut session, &ctx);
+        assert_eq!((green(&session), &session.failure), (0.25, &None));
+        fs::write(file("lib/a.mtl"), paint(0.125)).unwrap();
+        wait(&mut session, &ctx);
+        assert_eq!(green(&session), 0.125);
+        fs::write(file("room.umbrage.toml"), "[materials.paint]\nreflectance = 0.5\n").unwrap();
+        wait(&mut session, &ctx);
+        assert_eq!(green(&session), 0.5);
     }
 }

@@ -5,7 +5,6 @@
 
 use std::cell::{Cell, OnceCell};
 use std::collections::BTreeMap;
-use std::fs;
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
 
@@ -16,6 +15,7 @@ use percent_encoding::percent_decode_str;
 
 use super::item::Item;
 use crate::FormatError;
+use crate::beside::Folder;
 
 /// Base64 as it is found: with or without padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -39,7 +39,7 @@ enum Source {
 /// All buffers of a file.
 #[derive(Debug)]
 pub(super) struct Buffers {
-    folder: PathBuf,
+    folder: Folder,
     /// The file itself, if it is a GLB.
     glb: Vec<u8>,
     /// The binary chunk in it.
@@ -55,7 +55,7 @@ impl Buffers {
     /// Lists the buffers of the document whose root is `root`, without loading any.
     pub(super) fn list(
         root: &Item<'_>,
-        folder: PathBuf,
+        folder: Folder,
         glb: Vec<u8>,
         chunk: Option<Range<usize>>,
     ) -> Result<Self, FormatError> {
@@ -129,13 +129,10 @@ impl Buffers {
         let relative = relative_path(uri).map_err(|what| {
             bad(buffer, format!("{what}: {}", shortened(uri)), "put the file beside the glTF, or export as .glb")
         })?;
-        let path = self.folder.join(relative);
-        let cure = "put the file beside the glTF, or export as .glb";
-        // A pipe or a device would never end.
-        if !fs::metadata(&path).map_err(|e| bad(buffer, format!("{}: {e}", path.display()), cure))?.is_file() {
-            return Err(bad(buffer, format!("{} is not a file", path.display()), cure));
-        }
-        fs::read(&path).map_err(|e| bad(buffer, format!("{}: {e}", path.display()), cure))
+        self.folder.read(&relative).map_err(|what| {
+            let path = self.folder.join(&relative);
+            bad(buffer, format!("{} {what}", path.display()), "put the file beside the glTF, or export as .glb")
+        })
     }
 }
 

@@ -8,6 +8,7 @@ use super::buffer::Buffers;
 use super::container;
 use super::item::Item;
 use crate::FormatError;
+use crate::beside::Folder;
 
 /// An opened `.gltf` or `.glb`.
 #[derive(Debug)]
@@ -54,8 +55,8 @@ impl List {
 }
 
 impl Document {
-    /// Parses a file's bytes. Buffers are looked for in the folder of `path`.
-    pub(super) fn parse(path: &Path, bytes: Vec<u8>) -> Result<Self, FormatError> {
+    /// Parses a file's bytes. Buffers and images are looked for in `folder`.
+    pub(super) fn parse(path: &Path, bytes: Vec<u8>, folder: Folder) -> Result<Self, FormatError> {
         let file = path.display().to_string();
         let (json, chunk) = if bytes.starts_with(&container::MAGIC) {
             let chunks = container::chunks(&file, &bytes)?;
@@ -70,7 +71,6 @@ impl Document {
         check_version(&Item::new(&file, "the asset".into(), json.get("asset").unwrap_or(&Value::Null))?)?;
         let file_bytes = bytes.len() as u64;
         let glb = if chunk.is_some() { bytes } else { Vec::new() };
-        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let buffers = Buffers::list(&Item::new(&file, "the document".into(), &json)?, folder, glb, chunk)?;
         Ok(Self { file_bytes, json, buffers, file })
     }
@@ -174,7 +174,7 @@ mod tests {
     use super::*;
 
     fn parse(json: &str) -> Result<Document, FormatError> {
-        Document::parse(Path::new("a.gltf"), json.as_bytes().to_vec())
+        Document::parse(Path::new("a.gltf"), json.as_bytes().to_vec(), Folder::default())
     }
 
     #[test]

@@ -18,6 +18,7 @@ use super::primitive::Polygons;
 use super::tally::Tally;
 use super::texture::{Images, ShownTexture};
 use super::{camera, lamp, primitive};
+use crate::beside::Folder;
 use crate::{FormatError, LampUnits, ReadOptions, Warning};
 
 /// Extensions that are read, that only concern what has a warning of its own, or that only add gloss to a surface, which is taken as diffuse anyway.
@@ -45,9 +46,14 @@ const KNOWN_EXTENSIONS: [&str; 21] = [
     "KHR_xmp_json_ld",
 ];
 
-/// Reads the default scene of a `.gltf` or `.glb` whose bytes are given.
-pub(crate) fn read(path: &Path, bytes: Vec<u8>, options: &ReadOptions) -> Result<(Scene, Vec<Warning>), FormatError> {
-    let document = Document::parse(path, bytes)?;
+/// Reads the default scene of a `.gltf` or `.glb` whose bytes are given, and whose buffers and images are in `folder`.
+pub(crate) fn read(
+    path: &Path,
+    bytes: Vec<u8>,
+    folder: &Folder,
+    options: &ReadOptions,
+) -> Result<(Scene, Vec<Warning>), FormatError> {
+    let document = Document::parse(path, bytes, folder.clone())?;
     let mut tally = Tally::default();
     tally.unknown_extensions = unknown_extensions(&document)?;
     tally.animations = document.root()?.list("animations")?.len();

@@ -18,6 +18,7 @@ use super::item::Item;
 use super::node::{self, Placed};
 use super::primitive;
 use super::tally::{PRIMITIVE_COST, Tally};
+use crate::beside::Folder;
 use crate::{BakedCamera, BakedEmission, BakedFile, BakedFilePart, FormatError};
 
 /// Types of colours and normals.
@@ -25,7 +26,7 @@ const ANY: [Component; 5] = [Component::F32, Component::I8, Component::U8, Compo
 
 /// Reads a baked `.glb` or `.gltf` whose bytes are given.
 pub(crate) fn read_baked(path: &Path, bytes: Vec<u8>) -> Result<BakedFile, FormatError> {
-    let document = Document::parse(path, bytes)?;
+    let document = Document::parse(path, bytes, Folder::of(path))?;
     let extras = document.root()?.child("asset")?.map(|asset| asset.child("extras")).transpose()?.flatten();
     let facts = extras.map(|extras| extras.child("umbrage")).transpose()?.flatten();
     let not_baked = || FormatError::NotBaked {

@@ -20,6 +20,7 @@ use super::shape::{Statement, Vertex};
 use super::solid::Solid;
 use super::source::{Source, Sources};
 use super::transform::Transform;
+use crate::beside::Folder;
 use crate::builder::{self, SceneBuilder};
 use crate::text::{Cursor, EXPORT_AGAIN, Line, Place};
 use crate::warning::Unknown;
@@ -28,9 +29,14 @@ use crate::{FormatError, ReadOptions, Warning};
 /// Open transforms or objects within each other: more are refused.
 const MAX_NESTING: usize = 512;
 
-/// Reads an MGF whose bytes are given.
-pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Scene, Vec<Warning>), FormatError> {
-    let (sources, main) = Sources::new(path, bytes);
+/// Reads an MGF whose bytes are given, and whose includes are in `folder`.
+pub(crate) fn read(
+    path: &Path,
+    bytes: &[u8],
+    folder: &Folder,
+    options: &ReadOptions,
+) -> Result<(Scene, Vec<Warning>), FormatError> {
+    let (sources, main) = Sources::new(path, bytes, folder);
     let mut reader = Reader {
         builder: SceneBuilder::new(builder::stem(path), bytes.len(), options),
         segments: options.circle_segments.clamp(3, 4096),

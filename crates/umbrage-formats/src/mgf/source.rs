@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use crate::FormatError;
-use crate::beside;
+use crate::beside::{self, Folder};
 use crate::text::Place;
 
 /// Includes deeper than this are refused: nobody makes them.
@@ -24,18 +24,18 @@ pub(super) struct Source {
 /// All files that have been read.
 #[derive(Debug)]
 pub(super) struct Sources {
-    folder: PathBuf,
+    folder: Folder,
     read: BTreeMap<PathBuf, Rc<Source>>,
 }
 
 impl Sources {
     /// The scene's own file, and no others yet.
-    pub(super) fn new(path: &Path, bytes: &[u8]) -> (Self, Rc<Source>) {
+    pub(super) fn new(path: &Path, bytes: &[u8], folder: &Folder) -> (Self, Rc<Source>) {
         let own = PathBuf::from(path.file_name().unwrap_or_default());
         let main = Source { file: path.display().to_string(), path: own.clone(), bytes: bytes.to_vec() };
         let main = Rc::new(main);
         let read = BTreeMap::from([(own, Rc::clone(&main))]);
-        (Self { folder: beside::folder(path).to_path_buf(), read }, main)
+        (Self { folder: folder.clone(), read }, main)
     }
 
     /// The file that `name` means in the last of the open files; and the bytes that were read for it.
@@ -58,10 +58,9 @@ impl Sources {
         if let Some(source) = self.read.get(&path) {
             return Ok((Rc::clone(source), 0));
         }
-        let on_disk = self.folder.join(&path);
-        let bytes = beside::read_file(&on_disk).map_err(|what| bad(&what))?;
+        let bytes = self.folder.read(&path).map_err(|what| bad(&what))?;
         let length = bytes.len();
-        let source = Rc::new(Source { file: on_disk.display().to_string(), path: path.clone(), bytes });
+        let source = Rc::new(Source { file: self.folder.join(&path).display().to_string(), path: path.clone(), bytes });
         self.read.insert(path, Rc::clone(&source));
         Ok((source, length))
     }

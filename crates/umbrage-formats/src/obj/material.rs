@@ -8,9 +8,10 @@ use umbrage::scene::{Look, Material, Rgb};
 
 use super::mtl::{self, MtlMaterial};
 use super::texture::Textures;
+use crate::beside::{self, Folder};
 use crate::builder::SceneBuilder;
 use crate::warning::Unknown;
-use crate::{FormatError, Warning, beside};
+use crate::{FormatError, Warning};
 
 /// The name of what stands for no material at all.
 const NO_MATERIAL: &str = "default";
@@ -42,6 +43,7 @@ pub(super) struct Materials {
 #[derive(Debug)]
 pub(super) struct Libraries<'a> {
     path: &'a Path,
+    folder: &'a Folder,
     read: BTreeSet<std::path::PathBuf>,
     /// In the order in which they were first named, each with the folder of its library.
     materials: Vec<(std::path::PathBuf, MtlMaterial)>,
@@ -50,9 +52,10 @@ pub(super) struct Libraries<'a> {
 }
 
 impl<'a> Libraries<'a> {
-    /// None yet, for the OBJ at `path`.
-    pub(super) fn new(path: &'a Path) -> Self {
-        Self { path, read: BTreeSet::new(), materials: Vec::new(), numbers: BTreeMap::new(), warnings: Vec::new() }
+    /// None yet, for the OBJ at `path` in `folder`.
+    pub(super) fn new(path: &'a Path, folder: &'a Folder) -> Self {
+        let (materials, numbers) = (Vec::new(), BTreeMap::new());
+        Self { path, folder, read: BTreeSet::new(), materials, numbers, warnings: Vec::new() }
     }
 
     /// Reads what an `mtllib` statement names: one file, whose name may have spaces, else several.
@@ -82,7 +85,7 @@ impl<'a> Libraries<'a> {
         if self.read.contains(&relative) {
             return Ok(None);
         }
-        let bytes = beside::read_file(&beside::folder(self.path).join(&relative))?;
+        let bytes = self.folder.read(&relative)?;
         Ok(Some((relative, bytes)))
     }
 
@@ -116,7 +119,7 @@ impl<'a> Libraries<'a> {
         unknown: &mut Unknown,
     ) -> Result<(), FormatError> {
         builder.budget.grow(bytes.len());
-        let file = beside::folder(self.path).join(&relative).display().to_string();
+        let file = self.folder.join(&relative).display().to_string();
         let folder = relative.parent().unwrap_or(Path::new("")).to_path_buf();
         for material in mtl::read(&file, &bytes, |word| unknown.add(word))? {
             let next = self.materials.len();
@@ -143,7 +146,7 @@ impl Materials {
             }
             materials.half_transparent += usize::from(opacity < 1.0);
             let of = &mut materials.textures;
-            let shown = texture.as_ref().and_then(|t| of.load((libraries.path, &folder), t, reflectance, builder));
+            let shown = texture.as_ref().and_then(|t| of.load((libraries.folder, &folder), t, reflectance, builder));
             // What a material reflects is known once its surfaces are, where there is an image on it.
             let (texture, known) = match (texture, shown) {
                 (Some(texture), Some(shown)) => (Some((texture, shown)), Rgb::ZERO),

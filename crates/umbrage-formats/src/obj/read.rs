@@ -13,17 +13,23 @@ use umbrage::id::{MaterialId, NodeId, SurfaceId};
 use umbrage::scene::Scene;
 
 use super::material::{Libraries, Materials, Use};
+use crate::beside::Folder;
 use crate::builder::{self, SceneBuilder};
 use crate::text::{Cursor, EXPORT_AGAIN, Place, keyword, words};
 use crate::warning::Unknown;
 use crate::{FormatError, ReadOptions, Warning};
 
-/// Reads an OBJ whose bytes are given.
-pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Scene, Vec<Warning>), FormatError> {
+/// Reads an OBJ whose bytes are given, and whose libraries and images are in `folder`.
+pub(crate) fn read(
+    path: &Path,
+    bytes: &[u8],
+    folder: &Folder,
+    options: &ReadOptions,
+) -> Result<(Scene, Vec<Warning>), FormatError> {
     let file = path.display().to_string();
     let mut builder = SceneBuilder::new(builder::stem(path), bytes.len(), options);
     let mut unknown = Unknown::default();
-    let mut libraries = Libraries::new(path);
+    let mut libraries = Libraries::new(path, folder);
     let mut vertices = Vec::new();
     let (mut coordinates, mut normals) = (Vec::new(), Vec::new());
     let mut coloured_vertices = 0;

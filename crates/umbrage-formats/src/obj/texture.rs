@@ -9,6 +9,7 @@ use umbrage::scene::{Image, Rgb, Texture, Wrap};
 use umbrage_picture::{MeanColor, Seen};
 
 use super::mtl::MtlTexture;
+use crate::beside::Folder;
 use crate::builder::SceneBuilder;
 use crate::{beside, texture_mean};
 
@@ -35,17 +36,17 @@ pub(super) struct Textures {
 }
 
 impl Textures {
-    /// Loads the image of a texture that stands in a library of the scene at `scene`, in its `folder`; `None` if it cannot be
-    /// used, which is counted.
+    /// Loads the image of a texture of a library that lies `below` the scene's `folder`; `None` if it cannot be used, which is
+    /// counted.
     pub(super) fn load(
         &mut self,
-        (scene, folder): (&Path, &Path),
+        (folder, below): (&Folder, &Path),
         texture: &MtlTexture,
         factor: Rgb,
         builder: &mut SceneBuilder,
     ) -> Option<Texture> {
         let wrap = [if texture.clamp { Wrap::Clamp } else { Wrap::Repeat }; 2];
-        match self.image((scene, folder), &texture.file, builder) {
+        match self.image((folder, below), &texture.file, builder) {
             Ok((image, _)) => Some(Texture { image, wrap, filters: [None; 2], factor: factor.min(Rgb::ONE) }),
             Err(why) => {
                 if self.ignored.0 == 0 {
@@ -65,15 +66,15 @@ impl Textures {
 
     fn image(
         &mut self,
-        (scene, folder): (&Path, &Path),
+        (folder, below): (&Folder, &Path),
         name: &str,
         builder: &mut SceneBuilder,
     ) -> Result<(ImageId, usize), String> {
-        let relative = beside::relative_path(folder, name)?;
+        let relative = beside::relative_path(below, name)?;
         if let Some(&known) = self.known.get(&relative) {
             return Ok(known);
         }
-        let bytes = beside::read_file(&beside::folder(scene).join(&relative))?;
+        let bytes = folder.read(&relative)?;
         let mean = MeanColor::decode(&bytes, false).map_err(|error| error.to_string())?;
         let name = relative.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         let known = (builder.image(Image { name, bytes: bytes.into() }), self.means.len());
