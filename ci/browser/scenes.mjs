@@ -68,7 +68,7 @@ export function reference(scene, name, ...words) {
   return file(name);
 }
 
-/** A scene with a texture on all surfaces but lamps: smooth waves, laid out by position. */
+/** A scene with a texture on all surfaces but lamps: smooth waves with round holes, laid out by position. */
 function withTexture(bytes) {
   const jsonLength = bytes.readUInt32LE(12);
   const document = json(bytes);
@@ -94,17 +94,20 @@ function withTexture(bytes) {
     document.accessors.push({ bufferView: view(uvs), componentType: 5126, count, type: "VEC2" });
     attributes.TEXCOORD_0 = document.accessors.length - 1;
   }
-  const image = new PNG({ width: 64, height: 64, colorType: 2 });
+  const image = new PNG({ width: 64, height: 64 });
   for (let i = 0; i < 64 * 64; i++) {
     const [u, v] = [i % 64, Math.floor(i / 64)].map((texel) => (2 * Math.PI * texel) / 64);
     image.data.set([Math.sin(u), Math.cos(v), Math.sin(u + v)].map((wave) => Math.round(180 + 60 * wave)), 4 * i);
-    image.data[4 * i + 3] = 255;
+    image.data[4 * i + 3] = Math.round(127.5 * (1 + Math.cos(u) * Math.cos(v)));
   }
-  document.images = [{ bufferView: view(PNG.sync.write(image, { colorType: 2 })), mimeType: "image/png" }];
+  document.images = [{ bufferView: view(PNG.sync.write(image)), mimeType: "image/png" }];
   document.samplers = [{ magFilter: 9729, minFilter: 9987, wrapS: 10497, wrapT: 33648 }];
   document.textures = [{ source: 0, sampler: 0 }];
   const reflecting = document.materials.filter((material) => !material.emissiveFactor?.some((channel) => channel > 0));
-  for (const material of reflecting) material.pbrMetallicRoughness.baseColorTexture = { index: 0 };
+  for (const material of reflecting) {
+    material.pbrMetallicRoughness.baseColorTexture = { index: 0 };
+    Object.assign(material, { alphaMode: "MASK", alphaCutoff: 0.2 });
+  }
   document.buffers[0].byteLength = length;
   const text = Buffer.from(JSON.stringify(document));
   const padded = Buffer.concat([text, Buffer.alloc(-text.length & 3, " ")]);

@@ -15,6 +15,7 @@
 //! | `pick`, `provenance` | what is under the pointer; where its light is from |
 //! | `gpu`, `pipelines`, `upload`, `targets`, `draw` | drawing; `shader` and the `.wgsl` files are the shaders |
 //! | `headless` | a picture without a window |
+//! | `frame_time` | how long a frame of a million triangles takes |
 //! | `window`, `session`, `screen` | the window, the file that is open in it, and the scene on its screen |
 //! | `navigate`, `panel`, `controls`, `progress`, `legend`, `facts`, `save`, `dress` | hands, the panel and its parts |
 //!
@@ -25,6 +26,8 @@ mod controls;
 mod draw;
 mod dress;
 mod facts;
+#[cfg(test)]
+mod frame_time;
 mod gpu;
 mod headless;
 mod layout;

@@ -44,6 +44,8 @@ pub(crate) enum Wish {
     Bake(BakeSettings),
     /// Stop the bake.
     Cancel,
+    /// Hide the panel.
+    Hide,
     /// Save what is seen.
     SaveView,
     /// Save the baked file.
@@ -66,7 +68,12 @@ impl Panel<'_> {
         let mut wish = None;
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
             ui.add_space(6.0);
-            ui.heading(self.session.name());
+            ui.horizontal(|ui| {
+                if ui.button("Hide (P)").on_hover_text("Hide this panel").clicked() {
+                    wish = Some(Wish::Hide);
+                }
+                ui.add(Label::new(RichText::new(self.session.name()).heading()).truncate());
+            });
             if let Some(loading) = &self.session.loading
                 && progress(ui, loading)
             {

@@ -9,8 +9,9 @@ use umbrage_picture::{WIRE_OPACITY, WIRE_WIDTH_PX};
 /// What the shaders of surfaces and lines know of the view.
 const VIEW: &str = include_str!("view.wgsl");
 
-/// Triangles without any light are drawn as if they were farther away by this share of their distance.
-const DARK_FARTHER: f32 = 1e-3;
+/// Triangles without any light are drawn as if they were farther away by this share of their distance: more than the
+/// rounding of `f32` makes of it. (On pages it is more, whose depth has 24 bits.)
+const DARK_FARTHER: f32 = 2e-5;
 
 /// Draws surfaces, those without any light if they are `dark`, and the edges of triangles if `wire` says so.
 ///

@@ -41,7 +41,9 @@ const SHARE: f64 = 1e-4;
 const SQUARE_PX: usize = 16;
 const LINE_TOLERANCE: f64 = 7.0;
 
-const VIEW: &str = "--width 640 --height 480 --eye 0.28,0.3,-0.6 --target 0.28,0.25,0.3 --fov 45";
+const SIZE: &str = "--width 640 --height 480";
+/// From where the Cornell box is seen.
+const CAMERA: &str = "--eye 0.28,0.3,-0.6 --target 0.28,0.25,0.3 --fov 45";
 
 #[derive(Debug, Parser)]
 struct Args {
@@ -57,7 +59,8 @@ struct Args {
 
 impl Args {
     fn parsed(words: &str) -> Self {
-        Self::parse_from(format!("view {VIEW} {words}").split_whitespace())
+        let camera = if words.contains("--eye") { "" } else { CAMERA };
+        Self::parse_from(format!("view {SIZE} {camera} {words}").split_whitespace())
     }
 }
 
@@ -151,30 +154,59 @@ fn the_window_shows_the_picture_but_for_pixels_on_edges() {
         "--false-color",
     ];
     for (words, gpu) in looks.into_iter().flat_map(all) {
-        let pictures = [expected(cornell(), words, |_, _| Vec::new()), seen(cornell(), words, gpu.clone())];
-        let [expected, seen] = pictures.each_ref().map(codes);
-        assert_eq!(expected.len(), seen.len());
-        let (width, height) = (pictures[0].width(), pictures[0].height());
-        let (mut compared, mut edges, mut different) = (0, 0, Vec::new());
-        for y in 1..height - 1 {
-            for at in y * width + 1..(y + 1) * width - 1 {
-                if spread(&expected, width, at).max(spread(&seen, width, at)) > EDGE {
-                    edges += 1;
-                    continue;
-                }
-                compared += 1;
-                if (0..3).any(|channel| expected[at][channel].abs_diff(seen[at][channel]) > TOLERANCE) {
-                    different.push((at % width, y, expected[at], seen[at]));
-                }
+        check_same(words, [&expected(cornell(), words, |_, _| Vec::new()), &seen(cornell(), words, gpu.clone())]);
+    }
+}
+
+/// That two pictures are the same but for pixels on edges.
+fn check_same(words: &str, pictures: [&Picture; 2]) {
+    let [expected, seen] = pictures.map(codes);
+    assert_eq!(expected.len(), seen.len());
+    let (width, height) = (pictures[0].width(), pictures[0].height());
+    let (mut compared, mut edges, mut different) = (0, 0, Vec::new());
+    for y in 1..height - 1 {
+        for at in y * width + 1..(y + 1) * width - 1 {
+            if spread(&expected, width, at).max(spread(&seen, width, at)) > EDGE {
+                edges += 1;
+                continue;
+            }
+            compared += 1;
+            if (0..3).any(|channel| expected[at][channel].abs_diff(seen[at][channel]) > TOLERANCE) {
+                different.push((at % width, y, expected[at], seen[at]));
             }
         }
-        assert!(compared > 2 * edges, "{words}: {edges} of {compared} pixels are on edges");
-        let first = &different[..different.len().min(9)];
-        assert!(
-            different.len() as f64 <= SHARE * f64::from(compared),
-            "{words}: {} of {compared} pixels differ: {first:?}",
-            different.len()
-        );
+    }
+    assert!(compared > 2 * edges, "{words}: {edges} of {compared} pixels are on edges");
+    let first = &different[..different.len().min(9)];
+    assert!(
+        different.len() as f64 <= SHARE * f64::from(compared),
+        "{words}: {} of {compared} pixels differ: {first:?}",
+        different.len()
+    );
+}
+
+/// Four bright walls that end at a black one, which hides them from an eye that looks along it.
+#[test]
+fn what_stands_behind_a_black_wall_is_hidden() {
+    let quad = |corners: [[f64; 3]; 4]| corners.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
+    let bright = [2.0, 4.0, 6.0, 8.0].map(|x| quad([[x, 0., 0.], [x, 0., -4.], [x, 3., -4.], [x, 3., 0.]]));
+    let black = quad([[0., 0., 0.], [10., 0., 0.], [10., 3., 0.], [0., 3., 0.]]);
+    let lamp = quad([[0., 3., -4.], [10., 3., -4.], [10., 3., -1.], [0., 3., -1.]]);
+    let faces = "usemtl wall\nf -4 -3 -2 -1\nf -8 -7 -6 -5\nf -12 -11 -10 -9\nf -16 -15 -14 -13\nf -20 -19 -18 -17\n\
+        usemtl lamp\nf -24 -23 -22 -21\n";
+    let folder = tempfile::tempdir().unwrap();
+    let [scene, baked] = ["walls.obj", "walls.glb"].map(|name| folder.path().join(name));
+    std::fs::write(folder.path().join("walls.mtl"), "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl lamp\nKe 1 1 1\n").unwrap();
+    std::fs::write(&scene, format!("mtllib walls.mtl\n{lamp}{black}{}{faces}", bright.concat())).unwrap();
+    let (read, _) = umbrage_formats::read_scene(&scene).unwrap();
+    let bake = bake(&read, &coarse(), Progress::silent()).unwrap();
+    write_baked_glb(&read, &bake.mesh, &facts(&coarse(), &bake.report, None), &baked).unwrap();
+    // Bright, so that a sample that comes through is an edge, and a strip is not.
+    let words = "--exposure 8 --eye 14,1.5,2 --target 5,1.5,0 --fov 30";
+    let picture = expected(&baked, words, |_, _| Vec::new());
+    assert!(codes(&picture).contains(&[0; 3]), "the black wall is in sight");
+    for gpu in gpus() {
+        check_same(words, [&picture, &seen(&baked, words, gpu)]);
     }
 }
 

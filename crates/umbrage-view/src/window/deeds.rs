@@ -70,6 +70,7 @@ impl Window {
             }
             Wish::Bake(settings) => self.session.bake(settings, ctx),
             Wish::Cancel => self.session.cancel(),
+            Wish::Hide => self.controls.open = false,
             Wish::SaveView => self.status = told(self.save_view()),
             Wish::SaveBaked => self.status = told(self.save_baked()),
         }
