@@ -38,5 +38,6 @@ pub use read::{
     LampUnits, ReadOptions, UpAxis, read_baked, read_baked_bytes, read_scene, read_scene_and_files, read_scene_bytes,
     read_scene_with,
 };
+pub use texture_mean::picture_wrap;
 pub use umbrage::scene::Wrap as TextureWrap;
 pub use warning::Warning;
