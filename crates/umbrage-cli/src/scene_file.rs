@@ -6,10 +6,14 @@ use anyhow::anyhow;
 use clap::{Args, ValueEnum};
 use umbrage::scene::Scene;
 use umbrage_formats::{
-    FormatError, LampUnits, MaterialColour, Overrides, ReadOptions, UpAxis, Warning, read_scene_and_files,
+    FormatError, LampUnits, MaterialColour, Overrides, ReadOptions, SceneAndFiles, UpAxis, Warning,
+    read_scene_and_files,
 };
 
 use crate::output;
+
+/// A scene, and what of its file was not taken over.
+type Read = (Scene, Vec<Warning>);
 
 /// What a scene's file does not say, or says wrongly.
 #[derive(Clone, Debug, Default, Args)]
@@ -104,11 +108,7 @@ impl SceneArgs {
 
     /// The same for a program that tells the warnings itself. Also tells what files it is made of, those that are not there
     /// included, and those that were asked for until reading failed.
-    pub fn read_silently(
-        &self,
-        path: &Path,
-        max_reflectance: f64,
-    ) -> (Vec<PathBuf>, anyhow::Result<(Scene, Vec<Warning>)>) {
+    pub fn read_silently(&self, path: &Path, max_reflectance: f64) -> (Vec<PathBuf>, anyhow::Result<Read>) {
         let up = match self.up_axis {
             Up::Y => UpAxis::Y,
             Up::Z => UpAxis::Z,
@@ -119,17 +119,12 @@ impl SceneArgs {
         };
         let unit_m = self.unit.metres();
         let options = ReadOptions { max_reflectance, unit_m, up, lamp_units, ..ReadOptions::default() };
-        let (mut files, read) = read_scene_and_files(path, &options);
+        let SceneAndFiles { scene, mut files } = read_scene_and_files(path, &options);
         files.push(self.materials_path(path));
-        (files, self.overridden(path, read, max_reflectance))
+        (files, self.overridden(path, scene, max_reflectance))
     }
 
-    fn overridden(
-        &self,
-        path: &Path,
-        read: Result<(Scene, Vec<Warning>), FormatError>,
-        max_reflectance: f64,
-    ) -> anyhow::Result<(Scene, Vec<Warning>)> {
+    fn overridden(&self, path: &Path, read: Result<Read, FormatError>, max_reflectance: f64) -> anyhow::Result<Read> {
         let (mut scene, mut warnings) = read?;
         warnings.extend(self.overrides(path)?.apply(&mut scene, max_reflectance)?);
         Ok((scene, warnings))

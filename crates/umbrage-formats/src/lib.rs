@@ -35,8 +35,8 @@ pub use error::FormatError;
 pub use gltf::{BakeFacts, Written, baked_glb_bytes, write_baked_glb};
 pub use overrides::{MaterialColour, Overrides};
 pub use read::{
-    LampUnits, ReadOptions, UpAxis, read_baked, read_baked_bytes, read_scene, read_scene_and_files, read_scene_bytes,
-    read_scene_with,
+    LampUnits, ReadOptions, SceneAndFiles, UpAxis, read_baked, read_baked_bytes, read_scene, read_scene_and_files,
+    read_scene_bytes, read_scene_with,
 };
 pub use texture_mean::picture_wrap;
 pub use umbrage::scene::Wrap as TextureWrap;

@@ -52,6 +52,15 @@ impl Default for ReadOptions {
     }
 }
 
+/// A scene that was read, and the files that were asked for: see [`read_scene_and_files`].
+#[derive(Debug)]
+pub struct SceneAndFiles {
+    /// The scene and its warnings, or why there is none.
+    pub scene: Result<(Scene, Vec<Warning>), FormatError>,
+    /// The scene's own file first, each file once.
+    pub files: Vec<PathBuf>,
+}
+
 /// Formats that people try, and that are not read yet.
 const KNOWN_ELSEWHERE: [(&str, &str); 8] = [
     ("fbx", "FBX"),
@@ -105,20 +114,17 @@ pub fn read_scene_bytes(
 /// ```
 /// use umbrage_formats::{ReadOptions, read_scene_and_files};
 ///
-/// let (files, scene) = read_scene_and_files("no/such/room.obj", &ReadOptions::default());
-/// assert!(scene.is_err() && files == [std::path::Path::new("no/such/room.obj")]);
+/// let read = read_scene_and_files("no/such/room.obj", &ReadOptions::default());
+/// assert!(read.scene.is_err() && read.files == [std::path::Path::new("no/such/room.obj")]);
 /// ```
-pub fn read_scene_and_files(
-    path: impl AsRef<Path>,
-    options: &ReadOptions,
-) -> (Vec<PathBuf>, Result<(Scene, Vec<Warning>), FormatError>) {
+pub fn read_scene_and_files(path: impl AsRef<Path>, options: &ReadOptions) -> SceneAndFiles {
     let path = path.as_ref();
     let folder = Folder::of(path);
     let scene = read_file(path).and_then(|bytes| read_in(path, bytes, &folder, options));
     let mut files = folder.asked();
     // A file may refer to itself.
     files.remove(path);
-    (std::iter::once(path.to_path_buf()).chain(files).collect(), scene)
+    SceneAndFiles { scene, files: std::iter::once(path.to_path_buf()).chain(files).collect() }
 }
 
 /// Reads a scene from the bytes of a file; what it refers to is in `folder`.

@@ -26,9 +26,9 @@ fn folder(files: &[(&str, &[u8])]) -> TempDir {
 
 /// Reads `scene` in the folder; the names of its files in the folder, and whether it could be read.
 fn files_of(folder: &TempDir, scene: &str) -> (Vec<String>, bool) {
-    let (files, read) = read_scene_and_files(folder.path().join(scene), &ReadOptions::default());
+    let read = read_scene_and_files(folder.path().join(scene), &ReadOptions::default());
     let name = |file: PathBuf| -> String { relative(folder, &file).to_string_lossy().replace('\\', "/") };
-    (files.into_iter().map(name).collect(), read.is_ok())
+    (read.files.into_iter().map(name).collect(), read.scene.is_ok())
 }
 
 fn relative<'a>(folder: &TempDir, file: &'a Path) -> &'a Path {
