@@ -91,7 +91,7 @@ fn inspect(scene: &Scene, args: &InspectArgs, form: Form, output: Output) -> any
     let progress = Progress::new(&callback);
     let settings = args.method.settings();
     let text = match args.stage {
-        InspectedStage::DSegments => bake::trace(scene, 0.0, progress).map(|traced| match form {
+        InspectedStage::DSegments => bake::trace(scene, settings.prepare, 0.0, progress).map(|traced| match form {
             Form::Json => d_segments::json(scene, &traced),
             Form::Svg => d_segments::svg(scene, &traced),
         }),

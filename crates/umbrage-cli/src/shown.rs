@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
 use glam::DVec3;
-use umbrage_formats::{BakedCamera, BakedFile, BakedFilePart, TextureWrap, read_baked};
-use umbrage_picture::{Camera, PictureMesh, Texture, Wrap};
+use umbrage_formats::{BakedCamera, BakedFile, BakedFilePart, picture_wrap, read_baked};
+use umbrage_picture::{Camera, PictureMesh, Texture};
 
 /// What the colours of a picture are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +52,7 @@ impl Shown {
                 textures.push(Some(Arc::clone(texture)));
                 continue;
             }
-            let texture = Texture::decode(&file.images[key.image], key.wrap.map(wrap)).with_context(|| {
+            let texture = Texture::decode(&file.images[key.image], key.wrap.map(picture_wrap)).with_context(|| {
                 format!("{}: cannot use image {}, the texture of {:?}", path.display(), key.image, part.material_name)
             })?;
             let texture = Arc::new(texture);
@@ -122,14 +122,6 @@ impl Shown {
 pub fn from_file(camera: &BakedCamera) -> Camera {
     let &BakedCamera { eye_m, ahead, up, fov_y_deg, .. } = camera;
     Camera { eye_m, target_m: eye_m + ahead, up, fov_y_deg }
-}
-
-fn wrap(wrap: TextureWrap) -> Wrap {
-    match wrap {
-        TextureWrap::Repeat => Wrap::Repeat,
-        TextureWrap::Mirror => Wrap::Mirror,
-        TextureWrap::Clamp => Wrap::Clamp,
-    }
 }
 
 /// The camera where none is asked for and the file has none.

@@ -36,5 +36,6 @@ pub use overrides::{MaterialColour, Overrides};
 pub use read::{
     LampUnits, ReadOptions, UpAxis, read_baked, read_baked_bytes, read_scene, read_scene_bytes, read_scene_with,
 };
+pub use texture_mean::picture_wrap;
 pub use umbrage::scene::Wrap as TextureWrap;
 pub use warning::Warning;

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 use umbrage::bake::{BakeSettings, bake, subdivided, trace};
+use umbrage::prepare::PrepareSettings;
 use umbrage::progress::Progress;
 use umbrage::scene::Scene;
 use umbrage_inspect::{d_segments, mesh, patches};
@@ -35,7 +36,10 @@ fn is_as_before(name: &str, text: &str) {
 
 fn d_segments_are_as_before(file: &str, name: &str) {
     let scene = scene(file);
-    is_as_before(name, &d_segments::json(&scene, &trace(&scene, 0.0, Progress::silent()).unwrap()));
+    is_as_before(
+        name,
+        &d_segments::json(&scene, &trace(&scene, PrepareSettings::default(), 0.0, Progress::silent()).unwrap()),
+    );
 }
 
 #[test]

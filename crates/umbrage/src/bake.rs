@@ -26,7 +26,7 @@ use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Scene, SceneError};
 use crate::shade::{self, BakedMesh, Irradiance, ShadeSettings};
 use crate::solve::{self, SolveSettings, Surfaces};
-use crate::transport::{self, DirectLight, FormFactorOracle};
+use crate::transport::{self, DirectLight, FormFactorOracle, Links};
 use crate::visibility::Visibility;
 
 /// `Fmax` at the default tolerance.
@@ -205,46 +205,30 @@ pub fn bake_and_keep(
     progress: Progress<'_>,
 ) -> Result<(Bake, Meshed), BakeError> {
     let mut clock = Clock::start();
-    scene.validate()?;
-    let prepared = prepare::prepare_with(scene, settings.prepare, progress)?;
-    check(|| prepared.validate().map_err(|error| error.to_string()));
-    let visibility = Visibility::new(&prepared);
-    clock.end_of(Stage::Prepare);
+    let (meshed, visibility, links) = mesh_and_link(scene, settings, &mut clock, progress)?;
+    let Meshed { prepared, discontinuities, mesh } = &meshed;
 
-    let discontinuities = if settings.discontinuities {
-        discontinuity::find(scene, &prepared, &visibility, settings.weak_share(), progress)?
-    } else {
-        Discontinuities::default()
-    };
-    clock.end_of(Stage::Discontinuity);
-
-    let mesh_settings = settings.mesh();
-    let mut mesh = Mesh::new(&prepared, &discontinuities.segments, mesh_settings);
-    let links = transport::link_all(&prepared, &visibility, &mut mesh, &settings.oracle(&prepared), progress)?;
-    let (patches, compactness) = (mesh.patch_count(), compactness_of(&mesh));
-    clock.end_of(Stage::Transport);
-
-    let direct = DirectLight::new(scene, &prepared, &visibility);
-    let mut surfaces = Surfaces::new(scene, &prepared, &mesh, &direct);
-    let mut solution = solve::solve(&mesh, &surfaces, &links, settings.solve, progress)?;
+    let direct = DirectLight::new(scene, prepared, &visibility);
+    let mut surfaces = Surfaces::new(scene, prepared, mesh, &direct);
+    let mut solution = solve::solve(mesh, &surfaces, &links, settings.solve, progress)?;
     let (mut before, mut change) = (1.0, 1.0);
     while change * change > UNBOUNCED * before {
-        let light = Irradiance::new(&prepared, &visibility, &mesh, &direct, &solution);
-        shade::add_missed_by_links(&prepared, &mesh, &mut surfaces, &light, &solution, progress)?;
-        let bounced = solve::solve(&mesh, &surfaces, &links, settings.solve, progress)?;
-        (before, change) = (change, bounced.relative_change(&mesh, &solution).min(0.5 * change));
+        let light = Irradiance::new(prepared, &visibility, mesh, &direct, &solution);
+        shade::add_missed_by_links(prepared, mesh, &mut surfaces, &light, &solution, progress)?;
+        let bounced = solve::solve(mesh, &surfaces, &links, settings.solve, progress)?;
+        (before, change) = (change, bounced.relative_change(mesh, &solution).min(0.5 * change));
         solution = bounced;
     }
     check(|| solution.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Solve);
 
-    let light = Irradiance::new(&prepared, &visibility, &mesh, &direct, &solution);
+    let light = Irradiance::new(prepared, &visibility, mesh, &direct, &solution);
     let mut shown = if settings.shade.tolerance.is_finite() {
-        Mesh::new(&prepared, &discontinuities.segments, mesh_settings)
+        Mesh::new(prepared, &discontinuities.segments, settings.mesh())
     } else {
         mesh.clone()
     };
-    let shaded = shade::shade(scene, &prepared, &mut shown, &light, settings.shade, progress)?;
+    let shaded = shade::shade(scene, prepared, &mut shown, &light, settings.shade, progress)?;
     check(|| shown.validate().map_err(|error| error.to_string()));
     check(|| shaded.mesh.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Shade);
@@ -253,8 +237,8 @@ pub fn bake_and_keep(
         prepare: prepared.report.clone(),
         faces: prepared.faces.len(),
         d_segments: discontinuities.count_by_degree(),
-        patches,
-        compactness,
+        patches: mesh.patch_count(),
+        compactness: compactness_of(mesh),
         links: links.len(),
         vertices: shaded.mesh.vertex_count(),
         triangles: shaded.mesh.triangle_count(),
@@ -263,7 +247,7 @@ pub fn bake_and_keep(
         residual: solution.residual,
         seconds: clock.seconds,
     };
-    Ok((Bake { mesh: shaded.mesh, report }, Meshed { prepared, discontinuities, mesh }))
+    Ok((Bake { mesh: shaded.mesh, report }, meshed))
 }
 
 /// A d-segment in the world, for pictures.
@@ -282,7 +266,7 @@ pub struct DrawnSegment {
 /// # Errors
 /// A [`BakeError`] where the scene is refused or the callback cancels.
 pub fn d_segments(scene: &Scene, progress: Progress<'_>) -> Result<Vec<DrawnSegment>, BakeError> {
-    let Traced { prepared, discontinuities } = trace(scene, 0.0, progress)?;
+    let Traced { prepared, discontinuities } = trace(scene, PrepareSettings::default(), 0.0, progress)?;
     let drawn = discontinuities.segments.iter().map(|segment| DrawnSegment {
         degree: segment.degree.number() as u8,
         ends_m: segment.ends_m.map(|end| prepared.origin_m + end),
@@ -305,11 +289,35 @@ pub struct Traced {
 ///
 /// # Errors
 /// A [`BakeError`] where the scene is refused or the callback cancels.
-pub fn trace(scene: &Scene, least_share: f64, progress: Progress<'_>) -> Result<Traced, BakeError> {
+pub fn trace(
+    scene: &Scene,
+    prepare: PrepareSettings,
+    least_share: f64,
+    progress: Progress<'_>,
+) -> Result<Traced, BakeError> {
+    prepare_and_trace(scene, prepare, Some(least_share), &mut Clock::start(), progress).map(|(traced, _)| traced)
+}
+
+/// The stages up to `discontinuity`, which is left out where no `least_share` is given.
+fn prepare_and_trace(
+    scene: &Scene,
+    prepare: PrepareSettings,
+    least_share: Option<f64>,
+    clock: &mut Clock,
+    progress: Progress<'_>,
+) -> Result<(Traced, Visibility), BakeError> {
     scene.validate()?;
-    let prepared = prepare::prepare(scene, progress)?;
-    let discontinuities = discontinuity::find(scene, &prepared, &Visibility::new(&prepared), least_share, progress)?;
-    Ok(Traced { prepared, discontinuities })
+    let prepared = prepare::prepare_with(scene, prepare, progress)?;
+    check(|| prepared.validate().map_err(|error| error.to_string()));
+    let visibility = Visibility::new(&prepared);
+    clock.end_of(Stage::Prepare);
+
+    let discontinuities = match least_share {
+        Some(share) => discontinuity::find(scene, &prepared, &visibility, share, progress)?,
+        None => Discontinuities::default(),
+    };
+    clock.end_of(Stage::Discontinuity);
+    Ok((Traced { prepared, discontinuities }, visibility))
 }
 
 /// A scene's hierarchy of patches, and what it came from: the stages up to `transport`.
@@ -328,13 +336,23 @@ pub struct Meshed {
 /// # Errors
 /// A [`BakeError`] where the scene is refused or the callback cancels.
 pub fn subdivided(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> Result<Meshed, BakeError> {
-    let Traced { prepared, mut discontinuities } = trace(scene, settings.weak_share(), progress)?;
-    if !settings.discontinuities {
-        discontinuities = Discontinuities::default();
-    }
+    mesh_and_link(scene, settings, &mut Clock::start(), progress).map(|(meshed, ..)| meshed)
+}
+
+/// The stages up to `transport`.
+fn mesh_and_link(
+    scene: &Scene,
+    settings: &BakeSettings,
+    clock: &mut Clock,
+    progress: Progress<'_>,
+) -> Result<(Meshed, Visibility, Links), BakeError> {
+    let least_share = settings.discontinuities.then(|| settings.weak_share());
+    let (traced, visibility) = prepare_and_trace(scene, settings.prepare, least_share, clock, progress)?;
+    let Traced { prepared, discontinuities } = traced;
     let mut mesh = Mesh::new(&prepared, &discontinuities.segments, settings.mesh());
-    transport::link_all(&prepared, &Visibility::new(&prepared), &mut mesh, &settings.oracle(&prepared), progress)?;
-    Ok(Meshed { prepared, discontinuities, mesh })
+    let links = transport::link_all(&prepared, &visibility, &mut mesh, &settings.oracle(&prepared), progress)?;
+    clock.end_of(Stage::Transport);
+    Ok((Meshed { prepared, discontinuities, mesh }, visibility, links))
 }
 
 /// In debug builds, a broken promise of a stage is a panic with its values.

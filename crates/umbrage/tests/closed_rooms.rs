@@ -21,9 +21,7 @@ fn add(scene: &mut Scene, material: Material, polygons: &[Vec<DVec3>]) {
     let material = scene.materials.push_and_get_key(material);
     let mut surface = Surface::new(NodeId::from(0), material);
     for polygon in polygons {
-        let first = surface.positions_m.len() as u32;
-        surface.polygons.push((first..first + polygon.len() as u32).collect());
-        surface.positions_m.extend(polygon);
+        surface.push_polygon(polygon.iter().copied());
     }
     scene.surfaces.push(surface);
 }

@@ -40,9 +40,7 @@ fn scene(grey: Vec<Polygon>, light: Vec<Polygon>) -> Scene {
         let material: MaterialId = scene.materials.push_and_get_key(material);
         let mut surface = Surface::new(NodeId::from(0), material);
         for polygon in polygons {
-            let first = surface.positions_m.len() as u32;
-            surface.polygons.push((first..first + polygon.len() as u32).collect());
-            surface.positions_m.extend(polygon);
+            surface.push_polygon(polygon);
         }
         scene.surfaces.push(surface);
     }

@@ -36,9 +36,7 @@ fn scene(polygons: Vec<Vec<DVec3>>) -> Scene {
     let material = scene.materials.push_and_get_key(Material::diffuse("grey", Rgb::splat(0.5)));
     let mut surface = Surface::new(NodeId::from(0), material);
     for polygon in polygons {
-        let first = surface.positions_m.len() as u32;
-        surface.polygons.push((first..first + polygon.len() as u32).collect());
-        surface.positions_m.extend(polygon);
+        surface.push_polygon(polygon);
     }
     scene.surfaces.push(surface);
     scene

@@ -55,9 +55,7 @@ pub fn cornell_box() -> Scene {
         let material: MaterialId = scene.materials.push_and_get_key(material);
         let mut surface = Surface::new(NodeId::from(0), material);
         for corners in polygons {
-            let first = surface.positions_m.len() as u32;
-            surface.positions_m.extend(corners.iter().map(|&c| DVec3::from(c)));
-            surface.polygons.push((first..first + corners.len() as u32).collect());
+            surface.push_polygon(corners.iter().map(|&c| DVec3::from(c)));
         }
         scene.surfaces.push(surface);
     }

@@ -54,6 +54,13 @@ impl Surface {
         }
     }
 
+    /// Adds a polygon with corners of its own.
+    pub fn push_polygon(&mut self, corners_m: impl IntoIterator<Item = DVec3>) {
+        let first = self.positions_m.len() as u32;
+        self.positions_m.extend(corners_m);
+        self.polygons.push((first..self.positions_m.len() as u32).collect());
+    }
+
     /// What of its tables does not fit together.
     fn defect(&self) -> Option<&'static str> {
         let n = self.positions_m.len();

@@ -25,7 +25,7 @@ use crate::scene::Rgb;
 use crate::solve::Solution;
 use crate::transport::DirectLight;
 use crate::transport::form_factor::point_to_polygon;
-use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility, VisiblePart};
+use crate::visibility::{FEW_SHADOWS, ReceiverPoint, SourcePolygon, Visibility, VisiblePart};
 
 /// A patch that could not bring more than this share of the mean irradiance is weak: what a few rays err about the part of
 /// it that is seen is a fraction of that, and independent from patch to patch.
@@ -34,8 +34,6 @@ const WEAK_OF_MEAN: f64 = 2e-2;
 const ONE_RAY_OF_MEAN: f64 = 5e-3;
 /// Rays to a weak patch above that.
 const RAYS: usize = 4;
-/// The visible part of a patch is cut at most so many times: the time that it takes grows with the square.
-const FEW_SHADOWS: usize = 12;
 
 /// Evaluates irradiance at points.
 #[derive(Debug)]
@@ -76,10 +74,9 @@ impl<'a> Irradiance<'a> {
         let reflected = Reflected::new(mesh, &solution.reflected, power.max_element() / area_m2);
         let reflecting = |(id, patch): (PatchId, &Patch)| {
             let polygon = SourcePolygon::on_face(prepared, patch.face, mesh.polygon_m(id));
-            let reach = |corner: &DVec3| corner.distance(patch.centroid_m);
             ReflectingPatch {
                 middle_m: patch.centroid_m,
-                radius_m: polygon.corners_m.iter().map(reach).fold(0.0, f64::max),
+                radius_m: polygon.reach_m(patch.centroid_m),
                 greatest: reflected.greatest(id),
                 polygon,
             }
@@ -132,8 +129,7 @@ impl<'a> Irradiance<'a> {
         let ReflectingPatch { polygon, middle_m, .. } = &self.sources[patch];
         let (mut whole, mut seen) = (0.0, Rgb::ZERO);
         for ray in 0..rays {
-            let corner_m = polygon.corners_m[ray * polygon.corners_m.len() / rays];
-            let at_m = if rays == 1 { *middle_m } else { middle_m.midpoint(corner_m) };
+            let at_m = if rays == 1 { *middle_m } else { polygon.inner_point_m(*middle_m, ray, rays) };
             let along = at_m - receiver.position_m;
             let cosines = receiver.normal.dot(along).max(0.0) * -polygon.oriented_plane.normal.dot(along);
             let exchange = cosines / along.length_squared().powi(2);

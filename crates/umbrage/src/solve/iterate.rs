@@ -60,13 +60,8 @@ pub enum SolutionError {
 impl Solution {
     /// Area mean of how much irradiance differs from that of `before`, over its area mean, in the worst channel.
     pub fn relative_change(&self, mesh: &Mesh, before: &Solution) -> f64 {
-        let (mut change, mut light) = (Rgb::ZERO, Rgb::ZERO);
-        for leaf in mesh.leaves() {
-            let area_m2 = mesh.patch(leaf).area_m2;
-            change += area_m2 * (self.irradiance[leaf].mean - before.irradiance[leaf].mean).abs();
-            light += area_m2 * self.irradiance[leaf].mean;
-        }
-        worst_share(change, light)
+        let irradiance = |leaf: PatchId| [before, self].map(|solution| solution.irradiance[leaf].mean);
+        relative_change(mesh, irradiance, |leaf| self.irradiance[leaf].mean)
     }
 
     /// Checks that light is finite and not negative.
@@ -102,7 +97,8 @@ pub fn solve(
     while residual > settings.max_residual && iterations < settings.max_iterations {
         progress.report(Stage::Solve, iterations, 0)?;
         let bounced = push_pull(mesh, surfaces, gather(links, &reflected));
-        residual = relative_change(mesh, surfaces, &reflected, &bounced.1);
+        let changing = |leaf: PatchId| [&reflected, &bounced.1].map(|moments| moments[leaf].mean);
+        residual = relative_change(mesh, changing, |leaf| surfaces.exitance[leaf] + bounced.1[leaf].mean);
         (irradiance, reflected) = bounced;
         iterations += 1;
     }
@@ -121,20 +117,16 @@ fn linear(surfaces: &Surfaces, patch: PatchId, moments: &RadiosityMoments) -> Li
     Linear { mean: moments.mean, gradient: [row(0), row(1)] }
 }
 
-/// Area mean of the change of radiosity over the area mean of radiosity, in the worst channel.
-fn relative_change(
-    mesh: &Mesh,
-    surfaces: &Surfaces,
-    before: &Table<PatchId, RadiosityMoments>,
-    after: &Table<PatchId, RadiosityMoments>,
-) -> f64 {
-    let (mut change, mut light) = (Rgb::ZERO, Rgb::ZERO);
+/// Area mean of what changes, `[before, after]`, over the area mean of light, in the worst channel.
+fn relative_change(mesh: &Mesh, changing: impl Fn(PatchId) -> [Rgb; 2], light: impl Fn(PatchId) -> Rgb) -> f64 {
+    let (mut change, mut whole) = (Rgb::ZERO, Rgb::ZERO);
     for leaf in mesh.leaves() {
         let area_m2 = mesh.patch(leaf).area_m2;
-        change += area_m2 * (after[leaf].mean - before[leaf].mean).abs();
-        light += area_m2 * (surfaces.exitance[leaf] + after[leaf].mean);
+        let [before, after] = changing(leaf);
+        change += area_m2 * (after - before).abs();
+        whole += area_m2 * light(leaf);
     }
-    worst_share(change, light)
+    worst_share(change, whole)
 }
 
 /// The greatest share of the three colours; a colour without light has none.

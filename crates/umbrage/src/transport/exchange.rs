@@ -38,12 +38,10 @@ impl End {
     fn new(prepared: &Prepared, mesh: &Mesh, node: Node) -> Self {
         let patch = mesh.patch(node);
         let polygon = SourcePolygon::on_face(prepared, patch.face, mesh.polygon_m(node));
-        let reach = |corner: &DVec3| corner.distance(patch.centroid_m);
-        let radius_m = polygon.corners_m.iter().map(reach).fold(0.0, f64::max);
         Self {
             node,
             centroid_m: patch.centroid_m,
-            radius_m,
+            radius_m: polygon.reach_m(patch.centroid_m),
             area_m2: patch.area_m2,
             polygon,
             frame: *mesh.frame(patch.face),
@@ -72,7 +70,8 @@ pub(super) fn link_both_ways(prepared: &Prepared, visibility: &Visibility, mesh:
         return weak_links(visibility, &first, &second, rays);
     }
     let hidden = visibility.may_be_blocked(&first.polygon, &second.polygon);
-    let clear = first.clear_fits(&second);
+    let samples = [first.factors_to(&second), second.factors_to(&first)];
+    let clear = [fit(&samples[0]), fit(&samples[1])];
     let near = f64::min(first.radii_to(&second), second.radii_to(&first)) < FAR_RADII;
     let exchange_m2 =
         if near { first.clear_exchange_area_m2(&second) } else { smaller_exchange_m2(&first, &second, &clear) };
@@ -81,9 +80,9 @@ pub(super) fn link_both_ways(prepared: &Prepared, visibility: &Visibility, mesh:
     }
     if most < STRONG_FACTOR {
         let share = visible_share(visibility, &first, &second);
-        return links_of(&first, &second, share * exchange_m2, clear.map(|fit| dimmed(fit, share)));
+        return links_of(&first, &second, share * exchange_m2, clear.map(|fit| fit * share));
     }
-    let seen = first.seen_fits(visibility, &second);
+    let seen = seen_factors(visibility, [&first, &second], &samples).map(|samples| fit(&samples));
     let clear_m2 = smaller_exchange_m2(&first, &second, &clear);
     let share = if clear_m2 > 0.0 { smaller_exchange_m2(&first, &second, &seen) / clear_m2 } else { 0.0 };
     links_of(&first, &second, share * exchange_m2, seen)
@@ -103,11 +102,6 @@ fn links_of(first: &End, second: &End, exchange_m2: f64, fits: [Linear<f64>; 2])
         gradient: DVec2::from(there.gradient).as_vec2(),
         moment_factor: (source.area_m2 / receiver.area_m2 * DVec2::from(back.gradient)).as_vec2(),
     })
-}
-
-/// A fit of which only a share is seen.
-fn dimmed(fit: Linear<f64>, share: f64) -> Linear<f64> {
-    Linear { mean: share * fit.mean, gradient: fit.gradient.map(|slope| share * slope) }
 }
 
 /// Points on each end between which rays are sent.
@@ -138,15 +132,10 @@ impl End {
         if apart_m > 0.0 { self.area_m2.max(other.area_m2) / (PI * apart_m * apart_m) } else { f64::INFINITY }
     }
 
-    /// One of [`RAY_POINTS`] points inside, half way from the middle to corners that are spread around.
-    fn inner_point_m(&self, number: usize) -> DVec3 {
-        let corners_m = &self.polygon.corners_m;
-        self.centroid_m.midpoint(corners_m[number * corners_m.len() / RAY_POINTS])
-    }
-
     /// Whether an inner point of this end sees one of another, both from their fronts.
     fn sees(&self, visibility: &Visibility, number: usize, other: &End, other_number: usize) -> bool {
-        let (from_m, to_m) = (self.inner_point_m(number), other.inner_point_m(other_number));
+        let inner_point_m = |end: &End, number| end.polygon.inner_point_m(end.centroid_m, number, RAY_POINTS);
+        let (from_m, to_m) = (inner_point_m(self, number), inner_point_m(other, other_number));
         self.polygon.oriented_plane.signed_distance_m(to_m) > 0.0
             && other.polygon.oriented_plane.signed_distance_m(from_m) > 0.0
             && !visibility.occluded(from_m, to_m, [self.polygon.plane, other.polygon.plane])
@@ -167,53 +156,56 @@ impl End {
         )
     }
 
-    /// The best linear fits to the factors of each end's points to the other end, as if nothing stood between.
-    fn clear_fits(&self, other: &End) -> [Linear<f64>; 2] {
-        [(self, other), (other, self)]
-            .map(|(receiver, source)| receiver.fit(|_, position_m| receiver.factor_to(position_m, source)))
-    }
-
-    /// The best linear fits to the factors of each end's points to the other end, of which they see as much as rays to the
-    /// other's points tell.
-    fn seen_fits(&self, visibility: &Visibility, other: &End) -> [Linear<f64>; 2] {
-        let [mine, others] = [self, other].map(|end| sample::points(&end.polygon.corners_m));
-        let passing = [self.polygon.plane, other.polygon.plane];
-        let normals = [self, other].map(|end| end.polygon.oriented_plane.normal);
-        // What could pass between two points, and whether it does.
-        let exchange = |i: usize, j: usize| {
-            let along = others[j].0 - mine[i].0;
-            let cosines = normals[0].dot(along).max(0.0) * -normals[1].dot(along).min(0.0);
-            let could = mine[i].1 * others[j].1 * cosines / along.length_squared().powi(2);
-            let does = could > 0.0 && !visibility.occluded(mine[i].0, others[j].0, passing);
-            (could, if does { could } else { 0.0 })
-        };
-        let exchanges: Vec<Vec<(f64, f64)>> =
-            (0..mine.len()).map(|i| (0..others.len()).map(|j| exchange(i, j)).collect()).collect();
-        let share = |pairs: &mut dyn Iterator<Item = (f64, f64)>| {
-            let (could, does) = pairs.fold((0.0, 0.0), |(could, does), pair| (could + pair.0, does + pair.1));
-            if could > 0.0 { does / could } else { 0.0 }
-        };
-        [
-            self.fit(|i, position_m| share(&mut exchanges[i].iter().copied()) * self.factor_to(position_m, other)),
-            other.fit(|j, position_m| {
-                share(&mut exchanges.iter().map(|row| row[j])) * other.factor_to(position_m, self)
-            }),
-        ]
-    }
-
-    /// Factor of a point of this end to all of another.
-    fn factor_to(&self, position_m: DVec3, source: &End) -> f64 {
-        point_to_polygon(position_m, self.polygon.oriented_plane.normal, &source.polygon.corners_m)
-    }
-
-    /// The best linear fit to a factor of this end's sample points, by number and position.
-    fn fit(&self, factor: impl Fn(usize, DVec3) -> f64) -> Linear<f64> {
+    /// The factors of this end's sample points to another end, as if nothing stood between.
+    fn factors_to(&self, source: &End) -> Vec<Sample> {
         let plane = self.polygon.oriented_plane;
-        Linear::fit(sample::points(&self.polygon.corners_m).into_iter().enumerate().map(
-            |(number, (point_m, weight))| {
-                let offset_m = self.frame.to_2d(point_m) - self.frame.to_2d(self.centroid_m);
-                (offset_m, weight, factor(number, plane.project(point_m)))
-            },
-        ))
+        let sample = |(point_m, weight)| Sample {
+            point_m,
+            offset_m: self.frame.to_2d(point_m) - self.frame.to_2d(self.centroid_m),
+            weight,
+            factor: point_to_polygon(plane.project(point_m), plane.normal, &source.polygon.corners_m),
+        };
+        sample::points(&self.polygon.corners_m).into_iter().map(sample).collect()
     }
+}
+
+/// A point of an end, with its factor to another.
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    point_m: DVec3,
+    /// From the end's centroid.
+    offset_m: DVec2,
+    weight: f64,
+    factor: f64,
+}
+
+/// The best linear fit to the factors of an end's points.
+fn fit(samples: &[Sample]) -> Linear<f64> {
+    Linear::fit(samples.iter().map(|sample| (sample.offset_m, sample.weight, sample.factor)))
+}
+
+/// The factors of two ends' points to one another, of which each point sees as much as rays to the other's points tell.
+fn seen_factors(visibility: &Visibility, [first, second]: [&End; 2], clear: &[Vec<Sample>; 2]) -> [Vec<Sample>; 2] {
+    let passing = [first.polygon.plane, second.polygon.plane];
+    let normals = [first, second].map(|end| end.polygon.oriented_plane.normal);
+    // What could pass between two points, and what does.
+    let exchange = |from: &Sample, to: &Sample| {
+        let along = to.point_m - from.point_m;
+        let cosines = normals[0].dot(along).max(0.0) * -normals[1].dot(along).min(0.0);
+        let could = from.weight * to.weight * cosines / along.length_squared().powi(2);
+        let does = could > 0.0 && !visibility.occluded(from.point_m, to.point_m, passing);
+        (could, if does { could } else { 0.0 })
+    };
+    let [mine, others] = clear;
+    let exchanges: Vec<Vec<(f64, f64)>> =
+        mine.iter().map(|from| others.iter().map(|to| exchange(from, to)).collect()).collect();
+    let dimmed = |sample: &Sample, pairs: &mut dyn Iterator<Item = (f64, f64)>| {
+        let (could, does) = pairs.fold((0.0, 0.0), |(could, does), pair| (could + pair.0, does + pair.1));
+        let share = if could > 0.0 { does / could } else { 0.0 };
+        Sample { factor: share * sample.factor, ..*sample }
+    };
+    let of_first = mine.iter().zip(&exchanges).map(|(sample, row)| dimmed(sample, &mut row.iter().copied()));
+    let of_second =
+        others.iter().enumerate().map(|(j, sample)| dimmed(sample, &mut exchanges.iter().map(|row| row[j])));
+    [of_first.collect(), of_second.collect()]
 }

@@ -59,6 +59,14 @@ impl<V: Sub<Output = V>> Sub for Linear<V> {
     }
 }
 
+impl<V: Mul<f64, Output = V>> Mul<f64> for Linear<V> {
+    type Output = Self;
+
+    fn mul(self, factor: f64) -> Self {
+        Self { mean: self.mean * factor, gradient: self.gradient.map(|slope| slope * factor) }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

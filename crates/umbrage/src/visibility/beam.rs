@@ -75,6 +75,16 @@ impl SourcePolygon {
     pub fn of_face(prepared: &Prepared, face: FaceId) -> Self {
         Self::on_face(prepared, face, prepared.polygon_m(face))
     }
+
+    /// Distance of the farthest corner from `middle_m`.
+    pub fn reach_m(&self, middle_m: DVec3) -> f64 {
+        self.corners_m.iter().map(|corner_m| corner_m.distance(middle_m)).fold(0.0, f64::max)
+    }
+
+    /// One of `count` points inside, half way from the middle to corners that are spread around.
+    pub fn inner_point_m(&self, middle_m: DVec3, number: usize, count: usize) -> DVec3 {
+        middle_m.midpoint(self.corners_m[number * self.corners_m.len() / count])
+    }
 }
 
 /// Closed oriented contours in space: outer ones counter-clockwise, holes clockwise.

@@ -16,3 +16,4 @@ mod wedge;
 
 pub use beam::{Contours, ReceiverPoint, SourcePolygon, VisiblePart};
 pub use index::Visibility;
+pub(crate) use shadow::FEW_SHADOWS;

@@ -58,8 +58,8 @@ pub(super) fn cover(shadow: &[IntPoint<i32>], source: &[IntPoint<i32>]) -> Cover
     if apart { Cover::None } else { Cover::Some }
 }
 
-/// A part of the source with more shadows than this is halved.
-const FEW_SHADOWS: usize = 12;
+/// A part of the source with more shadows than this is halved: the time that cutting takes grows with the square.
+pub(crate) const FEW_SHADOWS: usize = 12;
 /// Parts are halved at most this often: 1/64 of the source each way.
 const MOST_HALVINGS: usize = 12;
 

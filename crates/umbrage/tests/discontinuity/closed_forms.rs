@@ -6,6 +6,7 @@ use glam::{DQuat, DVec2, DVec3, Vec2Swizzles as _};
 use umbrage::bake::{Traced, trace};
 use umbrage::discontinuity::{DSegment, Degree, Event};
 use umbrage::id::VertexId;
+use umbrage::prepare::PrepareSettings;
 use umbrage::progress::Progress;
 
 use super::random::{Stage, all_moved, block, l_shape, moved, pyramid, rectangle};
@@ -30,7 +31,7 @@ struct Found {
 
 impl Found {
     fn of(stage: &Stage) -> Self {
-        Self { traced: trace(&stage.scene, 0.0, Progress::silent()).unwrap() }
+        Self { traced: trace(&stage.scene, PrepareSettings::default(), 0.0, Progress::silent()).unwrap() }
     }
 
     fn world(&self, segment: &DSegment) -> [DVec3; 2] {

@@ -6,6 +6,7 @@
 use glam::DVec3;
 use umbrage::bake::{Traced, trace};
 use umbrage::discontinuity::{DSegment, Degree, Features};
+use umbrage::prepare::PrepareSettings;
 use umbrage::progress::Progress;
 use umbrage::visibility::Visibility;
 
@@ -273,7 +274,7 @@ fn every_break_has_its_d_segment_and_every_d_segment_its_break() {
     for seed in first..first + number("UMBRAGE_PROOF_SCENES", SCENES) {
         let mut random = Random(seed.wrapping_mul(0x5851_F42D_4C95_7F2D));
         let stage = random::scene(&mut random);
-        let traced = trace(&stage.scene, 0.0, Progress::silent()).unwrap();
+        let traced = trace(&stage.scene, PrepareSettings::default(), 0.0, Progress::silent()).unwrap();
         let mut of_scene = Tally::default();
         for on_wall in [false, true] {
             for number in 0..LINES {

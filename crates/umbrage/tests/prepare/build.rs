@@ -27,10 +27,7 @@ impl Build {
     }
 
     pub(crate) fn polygon(&mut self, material: usize, corners: &[[f64; 3]]) -> &mut Self {
-        let surface = &mut self.0.surfaces[SurfaceId::from(material)];
-        let first = surface.positions_m.len() as u32;
-        surface.positions_m.extend(corners.iter().map(|&c| DVec3::from(c)));
-        surface.polygons.push((first..first + corners.len() as u32).collect());
+        self.0.surfaces[SurfaceId::from(material)].push_polygon(corners.iter().map(|&c| DVec3::from(c)));
         self
     }
 
