@@ -13,7 +13,7 @@ use umbrage::prepare::{self, Prepared};
 use umbrage::progress::Progress;
 use umbrage::scene::{Scene, cornell::cornell_box};
 use umbrage::shade::{self, Irradiance, ShadeSettings};
-use umbrage::solve::{self, SolveSettings, Solution, Surfaces};
+use umbrage::solve::{self, Solution, SolveSettings, Surfaces};
 use umbrage::transport::{self, DirectLight, FormFactorOracle, Links};
 use umbrage::visibility::Visibility;
 use umbrage_bench::box_field;
@@ -110,7 +110,7 @@ fn shade(bencher: Bencher<'_, '_>, name: &str) {
     let solution = stages.solve(&direct);
     let light = Irradiance::new(prepared, visibility, mesh, &direct, &solution);
     let settings = ShadeSettings { tolerance: TOLERANCE, ..ShadeSettings::default() };
-    bencher.with_inputs(|| stages.uncut()).bench_local_refs(|shown| {
-        shade::shade(scene, prepared, shown, &light, settings, Progress::silent()).unwrap()
-    });
+    bencher
+        .with_inputs(|| stages.uncut())
+        .bench_local_refs(|shown| shade::shade(scene, prepared, shown, &light, settings, Progress::silent()).unwrap());
 }

@@ -67,8 +67,18 @@ fn ratio_of([before, after]: [&Measured; 2], of: impl Fn(&Measured) -> Option<f6
 
 /// B / A of whole bakes, and the errors of both.
 fn ratios(pairs: &[[&Measured; 2]]) -> Table {
-    let mut table =
-        Table::new(&["B / A", "1 thread", "2 threads", "CPU", "memory", "links", "triangles", "error A", "error B", "+-"]);
+    let mut table = Table::new(&[
+        "B / A",
+        "1 thread",
+        "2 threads",
+        "CPU",
+        "memory",
+        "links",
+        "triangles",
+        "error A",
+        "error B",
+        "+-",
+    ]);
     for &pair in pairs {
         let of_last = |of: &dyn Fn(&Timed) -> Option<f64>| ratio_of(pair, |scene| of(scene.last()));
         let seconds = |threads| ratio_of(pair, |scene| scene.with_threads(threads).map(|bake| bake.seconds));
@@ -91,8 +101,12 @@ fn ratios(pairs: &[[&Measured; 2]]) -> Table {
 
 /// B / A of the seconds of each stage, with the most threads.
 fn stages(pairs: &[[&Measured; 2]]) -> Table {
-    let names: Vec<&str> =
-        pairs.iter().take(1).flat_map(|[_, after]| &after.last().stage_seconds).map(|(name, _)| name.as_str()).collect();
+    let names: Vec<&str> = pairs
+        .iter()
+        .take(1)
+        .flat_map(|[_, after]| &after.last().stage_seconds)
+        .map(|(name, _)| name.as_str())
+        .collect();
     let mut table = Table::new(&[&["B / A"], &names[..]].concat());
     for &pair in pairs {
         let of = |name: &str| {

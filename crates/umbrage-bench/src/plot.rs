@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::Context;
 use plotters::coord::Shift;
+use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::RGBColor;
 
@@ -16,6 +17,8 @@ const FONT: &str = "sans-serif";
 const TEXT: RGBColor = RGBColor(40, 40, 40);
 const GRID: RGBColor = RGBColor(225, 225, 225);
 const NOISE: RGBColor = RGBColor(120, 120, 120);
+/// Dashes of the line of noise and the gaps between them, in pixels.
+const DASH: (u32, u32) = (6, 4);
 /// With discontinuities, and without: two colours that colour-blind eyes tell apart (Okabe and Ito).
 const SERIES: [(&str, RGBColor); 2] =
     [("with discontinuities", RGBColor(0, 114, 178)), ("without, as many triangles", RGBColor(213, 94, 0))];
@@ -48,10 +51,12 @@ fn legend(area: &Area<'_>) -> anyhow::Result<()> {
     let font = (FONT, 17).into_font().color(&TEXT);
     let middle = HEAD as i32 / 2;
     let mut x = 60;
-    let entries = SERIES.map(|(name, color)| (name, color, true)).into_iter();
-    for (name, color, dots) in entries.chain([("noise of the reference", NOISE, false)]) {
-        area.draw(&PathElement::new([(x, middle), (x + 40, middle)], color.stroke_width(2)))?;
-        if dots {
+    for (name, color) in SERIES.into_iter().chain([("noise of the reference", NOISE)]) {
+        let line = [(x, middle), (x + 40, middle)];
+        if color == NOISE {
+            area.draw(&DashedPathElement::new(line, DASH.0, DASH.1, color.stroke_width(2)))?;
+        } else {
+            area.draw(&PathElement::new(line, color.stroke_width(2)))?;
             area.draw(&Circle::new((x + 20, middle), 4, color.filled()))?;
         }
         area.draw(&Text::new(name, (x + 50, middle - 9), font.clone()))?;
@@ -88,7 +93,7 @@ fn chart(curves: &Curves, area: &Area<'_>, x_axis: &str, of: impl Fn(&Sample) ->
         .y_label_formatter(&|&y| label(y))
         .draw()?;
     if let Some(noise) = noise {
-        chart.draw_series(DashedLineSeries::new([(x[0], noise), (x[1], noise)], 6, 4, NOISE.stroke_width(2)))?;
+        chart.draw_series(DashedLineSeries::new([(x[0], noise), (x[1], noise)], DASH.0, DASH.1, NOISE.stroke_width(2)))?;
     }
     for (series, (_, color)) in SERIES.into_iter().enumerate() {
         let points = || curves.samples.iter().map(|pair| (of(&pair[series]), percent(&pair[series])));
@@ -110,7 +115,8 @@ fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
 fn ticks([least, most]: [f64; 2]) -> Vec<f64> {
     let decades = least.log10().floor() as i32..=most.log10().ceil() as i32;
     // A division by an exact power of ten gives the number that is written shortest.
-    let scaled = |digit: f64, decade: i32| if decade < 0 { digit / 10_f64.powi(-decade) } else { digit * 10_f64.powi(decade) };
+    let scaled =
+        |digit: f64, decade: i32| if decade < 0 { digit / 10_f64.powi(-decade) } else { digit * 10_f64.powi(decade) };
     let all = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| scaled(digit, decade)));
     all.filter(|tick| (least..=most).contains(tick)).collect()
 }
@@ -127,7 +133,10 @@ mod tests {
     #[test]
     fn ticks_are_round_numbers_within_the_range() {
         assert_eq!(ticks([0.3, 7.0]), [0.5, 1.0, 2.0, 5.0]);
-        assert_eq!(ticks([90.0, 2100.0]).iter().map(|&tick| label(tick)).collect::<Vec<_>>(), ["100", "200", "500", "1,000", "2,000"]);
+        assert_eq!(
+            ticks([90.0, 2100.0]).iter().map(|&tick| label(tick)).collect::<Vec<_>>(),
+            ["100", "200", "500", "1,000", "2,000"]
+        );
         assert_eq!(label(0.05), "0.05");
     }
 
@@ -137,8 +146,14 @@ mod tests {
         let samples = vec![[sample(100, 0.1), sample(110, 0.2)], [sample(1000, 0.01), sample(990, 0.05)]];
         let curves = |scene: &str, noise: f64| Curves { scene: scene.into(), noise, samples: samples.clone() };
         let mut text = String::new();
-        draw(&[curves("first", 0.003), curves("second", 0.0)], &SVGBackend::with_string(&mut text, (1080, 776)).into_drawing_area()).unwrap();
-        for word in ["first", "second", "triangles", "processor time, seconds", "relative RMSE, %", SERIES[0].0, SERIES[1].0] {
+        draw(
+            &[curves("first", 0.003), curves("second", 0.0)],
+            &SVGBackend::with_string(&mut text, (1080, 776)).into_drawing_area(),
+        )
+        .unwrap();
+        for word in
+            ["first", "second", "triangles", "processor time, seconds", "relative RMSE, %", SERIES[0].0, SERIES[1].0]
+        {
             assert!(text.contains(word), "{word}");
         }
         // Two curves of two dots on each of four charts, and a dot in the legend for each.

@@ -96,7 +96,11 @@ impl Run {
     pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
         let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
         let run: Self = serde_json::from_str(&text).with_context(|| format!("{} is not a run", path.display()))?;
-        anyhow::ensure!(run.scenes.iter().all(|scene| !scene.bakes.is_empty()), "{}: a scene without bakes", path.display());
+        anyhow::ensure!(
+            run.scenes.iter().all(|scene| !scene.bakes.is_empty()),
+            "{}: a scene without bakes",
+            path.display()
+        );
         Ok(run)
     }
 

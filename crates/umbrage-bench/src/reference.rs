@@ -93,9 +93,8 @@ fn shown(baked: &[BakedTriangle], point: &Point, near_m: f64) -> Option<DVec3> {
         let normal = across.normalize_or_zero();
         let away = point.position_m - p;
         let own = normal.dot(point.normal) > SAME_WAY && away.dot(normal).abs() <= near_m;
-        let weight = |p: DVec3, q: DVec3| {
-            (p - point.position_m).cross(q - point.position_m).dot(normal) / across.length()
-        };
+        let weight =
+            |p: DVec3, q: DVec3| (p - point.position_m).cross(q - point.position_m).dot(normal) / across.length();
         own.then(|| [weight(q, r), weight(r, p), weight(p, q)])
     };
     let least = |weights: &[f64; 3]| weights.iter().copied().fold(f64::INFINITY, f64::min);

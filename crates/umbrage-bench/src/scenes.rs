@@ -40,7 +40,9 @@ pub(crate) fn scene(name: &str) -> anyhow::Result<Scene> {
     }
     let path = file(name).unwrap_or_else(|| name.into());
     if !path.exists() {
-        bail!("{name} is neither a file nor one of: cornell, touching, occluder, room, field-N (boxes of N faces in all)");
+        bail!(
+            "{name} is neither a file nor one of: cornell, touching, occluder, room, field-N (boxes of N faces in all)"
+        );
     }
     let (scene, warnings) = read_scene(&path).with_context(|| format!("cannot read {}", path.display()))?;
     warnings.iter().for_each(|warning| crate::tell(&format!("{name}: {warning}")));

@@ -108,7 +108,8 @@ fn describe(run: &Run) -> String {
         times(scenes).text()
     );
     if let Some((time, memory)) = growth(scenes) {
-        text += &format!("\nFrom the smallest to the largest field, time grows with polygons to the power of {time:.2}");
+        text +=
+            &format!("\nFrom the smallest to the largest field, time grows with polygons to the power of {time:.2}");
         text += &memory.map_or(String::new(), |memory| format!(", memory {memory:.2}"));
         text += ".\n";
     }
@@ -116,8 +117,19 @@ fn describe(run: &Run) -> String {
 }
 
 fn results(scenes: &[Measured]) -> Table {
-    let mut table =
-        Table::new(&["scene", "polygons", "faces", "links", "triangles", "estimate", "error", "+-", "bias", "+-", "leaks"]);
+    let mut table = Table::new(&[
+        "scene",
+        "polygons",
+        "faces",
+        "links",
+        "triangles",
+        "estimate",
+        "error",
+        "+-",
+        "bias",
+        "+-",
+        "leaks",
+    ]);
     for scene in scenes {
         let (last, verified) = (scene.last(), &scene.verified);
         let counts = [last.polygons, last.faces, last.links, last.triangles].map(grouped);
@@ -135,14 +147,16 @@ fn results(scenes: &[Measured]) -> Table {
 }
 
 fn times(scenes: &[Measured]) -> Table {
-    let stages: Vec<&str> = scenes.iter().take(1).flat_map(|s| &s.last().stage_seconds).map(|(name, _)| name.as_str()).collect();
+    let stages: Vec<&str> =
+        scenes.iter().take(1).flat_map(|s| &s.last().stage_seconds).map(|(name, _)| name.as_str()).collect();
     let heads = ["seconds", "1 thread", "2 threads", "1 / 2", "CPU", "memory"];
     let mut table = Table::new(&[&heads[..], &stages].concat());
     for scene in scenes {
         let last = scene.last();
         let [one, two] = THREADS.map(|threads| scene.with_threads(threads).map(|bake| bake.seconds));
         let ratio = one.zip(two).map(|(one, two)| format!("{:.2}", one / two));
-        let cells = [one.map(seconds), two.map(seconds), ratio, last.cpu_seconds.map(seconds), last.peak_bytes.map(mebibytes)];
+        let cells =
+            [one.map(seconds), two.map(seconds), ratio, last.cpu_seconds.map(seconds), last.peak_bytes.map(mebibytes)];
         let stages = last.stage_seconds.iter().map(|(_, s)| seconds(*s));
         let name = [scene.scene.clone()];
         table.row(name.into_iter().chain(cells.map(Option::unwrap_or_default)).chain(stages).collect());
@@ -187,6 +201,9 @@ mod tests {
     fn tables_have_a_line_for_every_scene() {
         let text = describe(&run(vec![measured("a", 12, 1.0), measured("b", 3456, 20.0)]));
         assert!(text.contains("| a     |     1.00 |      0.60 |  1.67 | 0.60 | 1.0 MiB |    0.15 |  0.45 |"), "{text}");
-        assert!(text.contains("| b     |    3,456 | 3,456 |    20 |        30 |   1.00 % | 0.80 % | 0.01 % |"), "{text}");
+        assert!(
+            text.contains("| b     |    3,456 | 3,456 |    20 |        30 |   1.00 % | 0.80 % | 0.01 % |"),
+            "{text}"
+        );
     }
 }

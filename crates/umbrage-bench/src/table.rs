@@ -66,10 +66,7 @@ mod tests {
         let mut table = Table::new(&["scene", "s"]);
         table.row(vec!["a".into(), "1.25".into()]);
         table.row(vec!["bcdefgh".into()]);
-        assert_eq!(
-            table.text(),
-            "| scene   |    s |\n|---------|-----:|\n| a       | 1.25 |\n| bcdefgh |      |\n"
-        );
+        assert_eq!(table.text(), "| scene   |    s |\n|---------|-----:|\n| a       | 1.25 |\n| bcdefgh |      |\n");
     }
 
     #[test]

@@ -8,8 +8,13 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use crate::common::{Lit, irradiance_at};
+
 /// Planes through a point and an edge in line with it have no normal; less than this, in m2, is none.
 const IN_LINE_M2: f64 = 1e-15;
+
+/// A triangle further from a place is not its own.
+const ON_PLANE_M: f64 = 1e-5;
 
 /// A place on a surface.
 #[derive(Clone, Copy, Debug)]
@@ -45,13 +50,17 @@ fn form_factor(place: Place, polygon: &[DVec3]) -> f64 {
     sides.sum::<f64>().abs() / TAU
 }
 
-/// The part of a polygon that lies in the cone from a point over a closed convex occluder.
+/// The part of a polygon that lies in the cone from a point over a closed convex occluder, which may be nothing.
 fn covered(point: DVec3, polygon: &[DVec3], occluder: &[Vec<DVec3>]) -> Vec<DVec3> {
     let corners = || occluder.iter().flatten();
+    if occluder.is_empty() {
+        return Vec::new();
+    }
     let middle = corners().sum::<DVec3>() / corners().count() as f64;
     let faces_point = |face: &[DVec3]| (face[1] - face[0]).cross(face[2] - face[0]).dot(point - face[0]) > 0.0;
     let edges = |face: &[DVec3]| (0..face.len()).map(|i| [face[i], face[(i + 1) % face.len()]]).collect::<Vec<_>>();
-    let away: Vec<[DVec3; 2]> = occluder.iter().filter(|face| !faces_point(face)).flat_map(|face| edges(face)).collect();
+    let away: Vec<[DVec3; 2]> =
+        occluder.iter().filter(|face| !faces_point(face)).flat_map(|face| edges(face)).collect();
     let mut part = polygon.to_vec();
     for [p, q] in occluder.iter().filter(|face| faces_point(face)).flat_map(|face| edges(face)) {
         let plane = (p - point).cross(q - point);
@@ -60,6 +69,17 @@ fn covered(point: DVec3, polygon: &[DVec3], occluder: &[Vec<DVec3>]) -> Vec<DVec
         }
     }
     part
+}
+
+/// Root mean square difference between what triangles show at places and what is true, over the colours.
+pub(crate) fn rms(triangles: &[Lit], places: &[Place], truth: impl Fn(Place) -> f64) -> f64 {
+    let squared = |&place: &Place| (shown(triangles, place).unwrap() - truth(place)).length_squared() / 3.0;
+    (places.iter().map(squared).sum::<f64>() / places.len() as f64).sqrt()
+}
+
+/// What triangles show at a place; `None` where there are none.
+pub(crate) fn shown(triangles: &[Lit], place: Place) -> Option<DVec3> {
+    irradiance_at(triangles, place.point, place.normal, ON_PLANE_M)
 }
 
 /// Irradiance at a place by a one-sided source of even exitance past an occluder, which stands between the two or beside.
@@ -74,13 +94,12 @@ pub(crate) fn irradiance(place: Place, source: &[DVec3], exitance: f64, occluder
 
 #[test]
 fn a_square_above_a_point_and_what_a_box_leaves_of_it_are_closed_forms() {
-    use crate::build::{box_faces, quad};
+    use crate::common::build::{box_faces, quad};
     // Under the middle of a unit square at distance 1, and under its corner; known numbers.
     let place = Place { point: DVec3::ZERO, normal: DVec3::Z };
     let source = |x: f64, y: f64| quad(DVec3::new(x, y, 1.0), 0.5 * DVec3::X, -0.5 * DVec3::Y);
-    let nothing = box_faces(DVec3::splat(9.0), DVec3::splat(10.0));
-    assert!((irradiance(place, &source(0.0, 0.0), 1.0, &nothing) - 0.239_456_470_5).abs() < 1e-9);
-    assert!((irradiance(place, &source(0.5, 0.5), 1.0, &nothing) - 0.138_531_606_0).abs() < 1e-9);
+    assert!((irradiance(place, &source(0.0, 0.0), 1.0, &[]) - 0.239_456_470_5).abs() < 1e-9);
+    assert!((irradiance(place, &source(0.5, 0.5), 1.0, &[]) - 0.138_531_606_0).abs() < 1e-9);
     // A box beside the axis hides the half of it: what is left of the square is two quarters, each above its corner.
     let half = box_faces(DVec3::new(0.0, -9.0, 0.5), DVec3::new(9.0, 9.0, 0.6));
     assert!((irradiance(place, &source(0.0, 0.0), 1.0, &half) - 0.5 * 0.239_456_470_5).abs() < 1e-9);
@@ -88,5 +107,5 @@ fn a_square_above_a_point_and_what_a_box_leaves_of_it_are_closed_forms() {
     let all = box_faces(DVec3::new(-9.0, -9.0, 0.5), DVec3::new(9.0, 9.0, 0.6));
     assert!(irradiance(place, &source(0.0, 0.0), 1.0, &all) < 1e-12);
     let above = Place { point: DVec3::new(0.0, 0.0, 2.0), normal: -DVec3::Z };
-    assert_eq!(irradiance(above, &source(0.0, 0.0), 1.0, &nothing), 0.0);
+    assert_eq!(irradiance(above, &source(0.0, 0.0), 1.0, &[]), 0.0);
 }
