@@ -35,8 +35,9 @@ pub(crate) struct ConvergenceArgs {
     #[arg(long, value_delimiter = ',', value_name = "SCENES", default_values = NAMES)]
     scenes: Vec<String>,
     /// The drawing; a page of the same name beside it, if there is one, gets the figures between its marks anew
-    #[arg(short, long, value_name = "PLOT.svg", default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/convergence.svg"))]
-    output: PathBuf,
+    /// [default: docs/convergence.svg in the project]
+    #[arg(short, long, value_name = "PLOT.svg")]
+    output: Option<PathBuf>,
 }
 
 /// A bake, as a point of a curve.
@@ -62,10 +63,11 @@ pub(crate) struct Curves {
 pub(crate) fn run(args: &ConvergenceArgs) -> anyhow::Result<()> {
     let begin = Instant::now();
     let curves = args.scenes.iter().map(|scene| curves(scene)).collect::<anyhow::Result<Vec<_>>>()?;
-    plot::write(&curves, &args.output)?;
+    let output = args.output.clone().unwrap_or_else(|| scenes::in_project("docs/convergence.svg"));
+    plot::write(&curves, &output)?;
     let table = table(&curves).text();
-    say(&format!("{table}\nWrote {} in {:.0} s", args.output.display(), begin.elapsed().as_secs_f64()))?;
-    let page = args.output.with_extension("md");
+    say(&format!("{table}\nWrote {} in {:.0} s", output.display(), begin.elapsed().as_secs_f64()))?;
+    let page = output.with_extension("md");
     if page.exists() {
         page::put_figures(&page, &table)?;
         say(&format!("Wrote {}", page.display()))?;

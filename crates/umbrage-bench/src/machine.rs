@@ -38,7 +38,7 @@ fn model_in(cpuinfo: &str) -> Option<String> {
 /// The version of the program, and the commit that it was built from where git tells.
 pub(crate) fn version() -> String {
     let described =
-        Command::new("git").args(["describe", "--always", "--dirty"]).current_dir(crate::scenes::ROOT).output();
+        Command::new("git").args(["describe", "--always", "--dirty"]).current_dir(env!("CARGO_MANIFEST_DIR")).output();
     let commit = described.ok().filter(|output| output.status.success()).and_then(|o| String::from_utf8(o.stdout).ok());
     match commit {
         Some(commit) => format!("{} ({})", env!("CARGO_PKG_VERSION"), commit.trim()),

@@ -93,7 +93,12 @@ fn chart(curves: &Curves, area: &Area<'_>, x_axis: &str, of: impl Fn(&Sample) ->
         .y_label_formatter(&|&y| label(y))
         .draw()?;
     if let Some(noise) = noise {
-        chart.draw_series(DashedLineSeries::new([(x[0], noise), (x[1], noise)], DASH.0, DASH.1, NOISE.stroke_width(2)))?;
+        chart.draw_series(DashedLineSeries::new(
+            [(x[0], noise), (x[1], noise)],
+            DASH.0,
+            DASH.1,
+            NOISE.stroke_width(2),
+        ))?;
     }
     for (series, (_, color)) in SERIES.into_iter().enumerate() {
         let points = || curves.samples.iter().map(|pair| (of(&pair[series]), percent(&pair[series])));

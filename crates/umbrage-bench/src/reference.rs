@@ -1,13 +1,12 @@
 //! Points at which the light of a scene is known from elsewhere (`testdata/reference`), and what a bake errs there.
 
 use std::fs;
-use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
 use glam::DVec3;
 use umbrage_verify::BakedTriangle;
 
-use crate::scenes::ROOT;
+use crate::scenes::in_project;
 
 /// Scenes with reference points, and the standard error of these as a share of the mean: path tracing, or exact.
 const NOISE: [(&str, f64); 3] = [("cornell", 0.0028), ("touching", 0.0024), ("occluder", 0.0)];
@@ -47,7 +46,7 @@ impl Reference {
         let Some(&(_, noise)) = NOISE.iter().find(|(name, _)| *name == scene) else {
             bail!("{scene} has no reference points; these have: {}", NAMES.join(", "));
         };
-        let path = Path::new(ROOT).join("testdata/reference").join(format!("{scene}.csv"));
+        let path = in_project("testdata/reference").join(format!("{scene}.csv"));
         let text = fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
         let points: Vec<Point> = text
             .lines()

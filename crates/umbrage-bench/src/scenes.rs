@@ -7,8 +7,12 @@ use umbrage::scene::Scene;
 use umbrage_bench::box_field;
 use umbrage_formats::read_scene;
 
-/// The project's folder.
-pub(crate) const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+/// A path in the project, from where the program runs if it runs in the project.
+pub(crate) fn in_project(path: &str) -> PathBuf {
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    let here = || root.canonicalize().ok().zip(std::env::current_dir().ok()).is_some_and(|(root, here)| root == here);
+    if here() { path.into() } else { root.join(path) }
+}
 
 /// Scenes that a run has where none are named: those that are quick.
 pub(crate) const SMALL: [&str; 5] = ["cornell", "touching", "occluder", "room", "field-100"];
@@ -25,7 +29,7 @@ fn file(name: &str) -> Option<PathBuf> {
         "room" => "room.obj",
         _ => return None,
     };
-    Some(Path::new(ROOT).join("testdata/scenes").join(file))
+    Some(in_project("testdata/scenes").join(file))
 }
 
 /// The number of polygons of a field of boxes, from its name: `field-1000`.
