@@ -5,6 +5,7 @@
 use std::hash::{DefaultHasher, Hasher};
 use std::io;
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
@@ -50,7 +51,7 @@ pub(crate) struct Answer {
 
 /// Starts this program anew to bake a scene.
 pub(crate) fn in_a_process(scene: &str, tolerance: f64, threads: usize, verify: bool) -> anyhow::Result<Answer> {
-    let mut command = Command::new(std::env::current_exe().context("the program does not know its own place")?);
+    let mut command = Command::new(this_program()?);
     command.args(["one", &format!("--tolerance={tolerance}"), &format!("--threads={threads}")]);
     command.args(verify.then_some("--verify")).args(["--", scene]);
     let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output()?;
@@ -58,6 +59,15 @@ pub(crate) fn in_a_process(scene: &str, tolerance: f64, threads: usize, verify: 
         bail!("{scene} with {threads} threads: {}", output.status);
     }
     serde_json::from_slice(&output.stdout).with_context(|| format!("{scene}: not understood"))
+}
+
+/// The file of this program; on Linux the very file that runs, though a new build may have taken its place.
+fn this_program() -> anyhow::Result<PathBuf> {
+    if cfg!(target_os = "linux") {
+        Ok("/proc/self/exe".into())
+    } else {
+        std::env::current_exe().context("the program does not know its own place")
+    }
 }
 
 pub(crate) fn run(args: &OneArgs) -> anyhow::Result<()> {

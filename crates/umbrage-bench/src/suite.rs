@@ -44,6 +44,8 @@ pub(crate) fn run(args: &SuiteArgs) -> anyhow::Result<()> {
     let date = Timestamp::now().round(Unit::Second)?.to_string();
     let mut run =
         Run { version: version(), machine: Machine::here(), tolerance: args.tolerance, scenes: Vec::new(), date };
+    let in_project = || scenes::in_project("bench-runs").join(format!("{}.json", run.date.replace(':', "")));
+    let path = args.output.clone().unwrap_or_else(in_project);
     let mut failed = Vec::new();
     for name in &args.scenes {
         tell(&format!("{name} ..."));
@@ -54,10 +56,9 @@ pub(crate) fn run(args: &SuiteArgs) -> anyhow::Result<()> {
                 failed.push(name.as_str());
             }
         }
+        // A large scene may take hours: what was measured before it is kept whatever comes.
+        run.write(&path)?;
     }
-    let in_project = || scenes::in_project("bench-runs").join(format!("{}.json", run.date.replace(':', "")));
-    let path = args.output.clone().unwrap_or_else(in_project);
-    run.write(&path)?;
     say(&format!("{}\nWrote {}", describe(&run), path.display()))?;
     if !failed.is_empty() {
         bail!("not measured: {}", failed.join(", "));
