@@ -110,6 +110,7 @@ fn a_table_leg_of_2_cm_keeps_its_shadow_in_reflected_light() {
         .collect();
     // The lamp's back shades the floor, too, on the other side of the origin than the leg.
     let lamps_back = [lamp.clone(), lamp.iter().rev().copied().collect()];
+    // The tolerance is a share of the mean of all, and most of the light is on the panel: the floor's own mean is much less.
     keeps_its_shadow(&baked(&scene), 0.1, |place, leg| {
         let occluder = if place.point.x < 0.0 { &lamps_back } else { leg };
         parts.iter().map(|(part, radiosity)| irradiance(place, part, *radiosity, occluder)).sum()
