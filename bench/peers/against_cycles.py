@@ -265,7 +265,7 @@ def main():
     parser.add_argument("--scenes", default="cornell,touching", help="with commas between: " + ", ".join(SCENES))
     parser.add_argument("--size", type=int, default=512, help="texels on a side of the lightmap")
     parser.add_argument("--samples", type=int, default=64, help="paths from each texel or vertex")
-    parser.add_argument("--vertex-samples", type=int, default=1024, help="paths from each vertex")
+    parser.add_argument("--vertex-samples", type=int, default=256, help="paths from each vertex")
     parser.add_argument("--tolerance", type=float, default=0.01, help="of Umbrage")
     parser.add_argument("--umbrage", default=ROOT / "target/release/umbrage", help="the program")
     args = parser.parse_args()
@@ -277,7 +277,7 @@ def main():
         texels = f"{args.size} x {args.size} texels, {args.samples} paths each"
         rows.append([scene, "Cycles, lightmap", f"{baking:.2f}", f"{noisy:.2%}", texels])
         rows.append([scene, "Cycles, denoised", f"{baking + denoising:.2f}", f"{clean:.2%}", texels])
-        seconds, wrong, made = by_vertices(scene, 4 * triangles, args.vertex_samples)
+        seconds, wrong, made = by_vertices(scene, 2 * triangles, args.vertex_samples)
         what = f"{made} triangles, {args.vertex_samples} paths each corner"
         rows.append([scene, "Cycles, vertices", f"{seconds:.2f}", f"{wrong:.2%}", what])
     widths = [max(len(row[i]) for row in rows) for i in range(5)]
