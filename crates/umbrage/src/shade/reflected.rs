@@ -83,13 +83,13 @@ impl<'a> Reflected<'a> {
     pub(super) fn at(&self, patch: PatchId, point_m: DVec3) -> Rgb {
         let node = self.mesh.patch(patch);
         let frame = self.mesh.frame(node.face);
-        self.radiosity[patch].at(frame.to_2d(point_m) - frame.to_2d(node.centroid_m)).max(Rgb::ZERO)
+        self.radiosity[patch].at(frame.to_2d(point_m) - frame.to_2d(node.centroid_m))
     }
 
     /// The most that a patch reflects anywhere, in the brightest colour, in W/m2.
     pub(super) fn greatest(&self, patch: PatchId) -> f64 {
         let Variation { linear, departure } = self.variation[patch];
-        self.radiosity[patch].mean.max_element() + linear + departure
+        self.radiosity[patch].mean.abs().max_element() + linear + departure
     }
 
     /// Whether the linear fit of a patch tells what all of it reflects well enough for a point with this factor to it.
@@ -208,5 +208,7 @@ fn seen_middle_m(receiver: &ReceiverPoint, part: &Part, normal: DVec3) -> Option
         / doubled_m2
         - along(centroid);
     let reach_m = part.iter().flatten().map(|&p| p.distance(first + centroid)).fold(0.0, f64::max);
-    Some(first + centroid + spread.clamp_length_max(MOST_SHIFT * reach_m))
+    // On the horizon itself the factor's growth is infinite.
+    let shift = spread.clamp_length_max(MOST_SHIFT * reach_m);
+    Some(first + centroid + if shift.is_finite() { shift } else { DVec3::ZERO })
 }

@@ -64,6 +64,16 @@ impl Solution {
         relative_change(mesh, irradiance, |leaf| self.irradiance[leaf].mean)
     }
 
+    /// Mean irradiance of all faces, in W/m2.
+    pub fn mean_irradiance(&self, mesh: &Mesh) -> Rgb {
+        let (mut power, mut area_m2) = (Rgb::ZERO, 0.0);
+        for leaf in mesh.leaves() {
+            power += mesh.patch(leaf).area_m2 * self.irradiance[leaf].mean;
+            area_m2 += mesh.patch(leaf).area_m2;
+        }
+        power / area_m2
+    }
+
     /// Checks that light is finite and not negative.
     ///
     /// # Errors
