@@ -24,7 +24,7 @@ use crate::visibility::Visibility;
 /// Leaves between two reports of progress.
 const LEAVES_A_REPORT: usize = 256;
 /// Bounces go on until the next would change the light by less than this share of it, if changes go on falling as they do.
-const UNBOUNCED: f64 = 1e-4;
+const UNBOUNCED: f64 = 1e-5;
 
 /// Solves for what leaves exactly receive of what they reflect. `solve` solves for what links bring them, and what these miss
 /// is added to [`Surfaces::missed`] by each bounce.

@@ -86,7 +86,7 @@ impl<'a> Irradiance<'a> {
 
     /// The same, of a change of what patches reflect.
     pub(super) fn of_change(self) -> Self {
-        Self { weak_of_mean: WEAK_OF_CHANGE, ..self }
+        Self { weak_of_mean: WEAK_OF_CHANGE, reflected: self.reflected.of_change(), ..self }
     }
 
     /// Irradiance by reflection, in W/m2, at a point; below zero where what is reflected is a change for less, or falls so

@@ -28,6 +28,8 @@ pub(super) type Part = SmallVec<[Vec<DVec3>; 1]>;
 /// A patch stands for its parts, and a slice for its points, where that changes irradiance by no more than this share of
 /// its mean: a point gathers over some hundred patches, whose errors partly cancel.
 const TRIFLE_OF_MEAN: f64 = 5e-4;
+/// And of a change of light, which is smaller.
+const TRIFLE_OF_CHANGE: f64 = 5e-5;
 /// A leaf is sliced into at most two to this power.
 const MOST_HALVINGS: usize = 3;
 
@@ -77,6 +79,11 @@ impl<'a> Reflected<'a> {
             variation[id] = Variation { linear, departure };
         }
         Self { mesh, radiosity, variation, trifle: TRIFLE_OF_MEAN * mean }
+    }
+
+    /// The same, of a change of light.
+    pub(super) fn of_change(self) -> Self {
+        Self { trifle: TRIFLE_OF_CHANGE / TRIFLE_OF_MEAN * self.trifle, ..self }
     }
 
     /// What a patch reflects at a point of its plane, by its linear fit, in W/m2.

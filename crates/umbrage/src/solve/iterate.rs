@@ -25,7 +25,7 @@ pub struct SolveSettings {
 
 impl Default for SolveSettings {
     fn default() -> Self {
-        Self { max_residual: 1e-4, max_iterations: 200 }
+        Self { max_residual: 1e-5, max_iterations: 200 }
     }
 }
 
