@@ -20,11 +20,12 @@ use glam::DVec3;
 
 use crate::discontinuity::{self, Discontinuities};
 use crate::geometry::polygon;
+use crate::id::Table;
 use crate::mesh::{Mesh, MeshSettings, SplitScore};
 use crate::prepare::{self, PrepareError, PrepareReport, PrepareSettings, Prepared};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Scene, SceneError};
-use crate::shade::{self, BakedMesh, Irradiance, ShadeSettings};
+use crate::shade::{self, BakedMesh, Irradiance, ShadeMeshes, ShadeSettings};
 use crate::solve::{self, SolveSettings, Surfaces};
 use crate::transport::{self, DirectLight, FormFactorOracle, Links};
 use crate::visibility::Visibility;
@@ -34,10 +35,6 @@ const FMAX: f64 = 0.04;
 /// Where no smallest area is given, this share of the area of all faces at the default tolerance: 1,500 patches if all were
 /// as small.
 const MIN_AREA_OF_TOTAL: f64 = 7e-4;
-
-/// Exact bounces go on until the next would change the light by less than this share of it, if changes go on falling as
-/// they do.
-const UNBOUNCED: f64 = 1e-4;
 
 /// d-segments that change irradiance by less than this share of the tolerance are left out.
 const WEAK_OF_TOLERANCE: f64 = 1.0;
@@ -210,26 +207,20 @@ pub fn bake_and_keep(
 
     let direct = DirectLight::new(scene, prepared, &visibility);
     let mut surfaces = Surfaces::new(scene, prepared, mesh, &direct);
-    let mut solution = solve::solve(mesh, &surfaces, &links, settings.solve, progress)?;
-    let (mut before, mut change) = (1.0, 1.0);
-    while change * change > UNBOUNCED * before {
-        let light = Irradiance::new(prepared, &visibility, mesh, &direct, &solution);
-        shade::add_missed_by_links(prepared, mesh, &mut surfaces, &light, &solution, progress)?;
-        let bounced = solve::solve(mesh, &surfaces, &links, settings.solve, progress)?;
-        (before, change) = (change, bounced.relative_change(mesh, &solution).min(0.5 * change));
-        solution = bounced;
-    }
+    let solve = |surfaces: &Surfaces| solve::solve(mesh, surfaces, &links, settings.solve, progress);
+    let solution = shade::bounce(prepared, &visibility, mesh, &mut surfaces, solve, progress)?;
     check(|| solution.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Solve);
 
-    let light = Irradiance::new(prepared, &visibility, mesh, &direct, &solution);
-    let mut shown = if settings.shade.tolerance.is_finite() {
-        Mesh::new(prepared, &discontinuities.segments, settings.mesh())
+    let light = Irradiance::new(prepared, &visibility, mesh, &solution.reflected, solution.mean_irradiance(mesh));
+    let mut meshes = if settings.shade.tolerance.is_finite() {
+        let with = |segments| Mesh::new(prepared, segments, settings.mesh());
+        ShadeMeshes { shown: with(&discontinuities.segments), gathering: with(&Table::new()) }
     } else {
-        mesh.clone()
+        ShadeMeshes { shown: mesh.clone(), gathering: mesh.clone() }
     };
-    let shaded = shade::shade(scene, prepared, &mut shown, &light, settings.shade, progress)?;
-    check(|| shown.validate().map_err(|error| error.to_string()));
+    let shaded = shade::shade(scene, prepared, &mut meshes, &direct, &light, settings.shade, progress)?;
+    check(|| meshes.shown.validate().map_err(|error| error.to_string()));
     check(|| shaded.mesh.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Shade);
 

@@ -185,6 +185,11 @@ impl Mesh {
         self.patches[patch].sides.iter().map(|side| self.vertices_m[self.edges.start(side[0])]).collect()
     }
 
+    /// The vertices at the corners of a patch, counter-clockwise.
+    pub fn corners(&self, patch: PatchId) -> impl Iterator<Item = VertexId> + '_ {
+        self.patches[patch].sides.iter().map(|side| self.edges.start(side[0]))
+    }
+
     /// The corners of a patch in the frame of its face, counter-clockwise, in metres.
     pub fn polygon_2d_m(&self, patch: PatchId) -> Vec<DVec2> {
         let frame = &self.frames[self.patches[patch].face];

@@ -29,16 +29,18 @@ pub(super) struct Element {
     corners: [u32; 3],
     /// How far the field departs from the mean of its ends in the middle of each side, from each corner to the next.
     bulges: [Rgb; 3],
-    /// How far the field at the centroid departs from the mean of its corners.
-    middle: Rgb,
-    /// Mean square of how far the field departs from the parabola through corners and middles, between the centroid and the
-    /// corners, where it was looked at there.
+    /// How far the field at [`PROBE`] departs from a plane through its corners.
+    inside: Rgb,
+    /// Mean square of how far the field departs from the parabola through corners and middles at [`MORE_PROBES`], where it was
+    /// looked at there.
     between: Rgb,
 }
 
-/// Where else a large element is looked at: barycentric coordinates. On a large face that is lit evenly all around, the
-/// points of the parabola alone, and its centroid, may be right by symmetry.
-const BETWEEN: [[f64; 3]; 3] = [[0.7, 0.2, 0.1], [0.1, 0.7, 0.2], [0.2, 0.1, 0.7]];
+/// Where an element is looked at inside: barycentric coordinates. On a face that is lit evenly all around, the points of the
+/// parabola alone, and the centroid, may be right by symmetry; this point is on no axis of it.
+const PROBE: [f64; 3] = [0.45, 0.33, 0.22];
+/// Where else a large element is looked at.
+const MORE_PROBES: [[f64; 3]; 2] = [[0.1, 0.7, 0.2], [0.2, 0.1, 0.7]];
 
 impl Outlined {
     /// The triangles that `point_split` would make of a leaf.
@@ -95,8 +97,8 @@ impl Outlined {
             };
             let area_m2 = 0.5 * (b - a).cross(c - a).length();
             let between =
-                if area_m2 > large_m2 { BETWEEN.map(beyond).into_iter().sum::<Rgb>() / 3.0 } else { Rgb::ZERO };
-            Some(Element { area_m2, corners, bulges, middle: departure([1.0 / 3.0; 3]), between })
+                if area_m2 > large_m2 { MORE_PROBES.map(beyond).into_iter().sum::<Rgb>() / 2.0 } else { Rgb::ZERO };
+            Some(Element { area_m2, corners, bulges, inside: departure(PROBE), between })
         };
         self.triangles.iter().filter_map(element).collect()
     }
@@ -112,15 +114,16 @@ impl Element {
         let opposite = d * s[2] + e * s[0] + f * s[1];
         let of_shifts = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + s[0] * s[1] + s[1] * s[2] + s[2] * s[0]) / 6.0;
         let quadratic = of_bulges - 2.0 * (2.0 / 15.0 * at_ends + 1.0 / 15.0 * opposite) + of_shifts;
-        // A bump of height h over the centroid alone has a mean square of about h^2 / 6.
-        let middle = self.middle - s.into_iter().sum::<Rgb>() / 3.0;
-        quadratic.max(middle * middle / 6.0).max(self.between)
+        // A bump of height h inside alone has a mean square of about h^2 / 6.
+        let inside = self.inside - (PROBE[0] * s[0] + PROBE[1] * s[1] + PROBE[2] * s[2]);
+        quadratic.max(inside * inside / 6.0).max(self.between)
     }
 
     /// Square of what quadratic interpolation errs where it was looked at, per colour.
     pub(super) fn quadratic_error_squared(&self) -> Rgb {
-        let middle = self.middle - 4.0 / 9.0 * self.bulges.into_iter().sum::<Rgb>();
-        (middle * middle).max(self.between)
+        let [p, q, r] = PROBE;
+        let inside = self.inside - 4.0 * (p * q * self.bulges[0] + q * r * self.bulges[1] + r * p * self.bulges[2]);
+        (inside * inside).max(self.between)
     }
 }
 
@@ -169,7 +172,7 @@ mod tests {
     #[test]
     fn the_closed_form_is_the_mean_square_over_the_triangle() {
         let bulges = [0.3, -0.1, 0.7].map(Rgb::splat);
-        let element = Element { area_m2: 1.0, corners: [0, 1, 2], bulges, middle: Rgb::ZERO, between: Rgb::ZERO };
+        let element = Element { area_m2: 1.0, corners: [0, 1, 2], bulges, inside: Rgb::ZERO, between: Rgb::ZERO };
         let shifts = [0.2, -0.4, 0.1].map(Rgb::splat);
         let squared = element.linear_error_squared(&shifts).x;
         assert!((squared / sampled(&element, &shifts) - 1.0).abs() < 0.02, "{squared}");

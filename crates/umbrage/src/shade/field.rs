@@ -171,6 +171,7 @@ impl Values {
         mesh: &Mesh,
         field: &impl Field,
         mut requests: Vec<Request>,
+        stage: Stage,
         progress: Progress<'_>,
     ) -> Result<(), Cancelled> {
         requests.retain(|request| !self.numbers.contains_key(&request.key));
@@ -182,7 +183,7 @@ impl Values {
             .enumerate()
             .map(|(number, request)| {
                 if number.is_multiple_of(POINTS_A_REPORT) {
-                    progress.report(Stage::Shade, known + number, 0)?;
+                    progress.report(stage, known + number, 0)?;
                 }
                 Ok(field.at(mesh, &request.point, request.patch))
             })

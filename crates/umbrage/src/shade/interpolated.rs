@@ -6,7 +6,7 @@
 use glam::DVec2;
 
 use super::field::{Places, Values};
-use crate::id::{PatchId, Table};
+use crate::id::{FaceId, PatchId, Table};
 use crate::mesh::Mesh;
 use crate::scene::Rgb;
 use crate::visibility::ReceiverPoint;
@@ -40,15 +40,16 @@ impl Element {
     }
 }
 
-/// A field that is quadratic over the triangles of the patches that were leaves when it was made.
+/// A field that is quadratic over the triangles of the leaves of a mesh of its own.
 #[derive(Clone, Debug)]
-pub(super) struct Interpolated {
+pub(super) struct Interpolated<'a> {
+    mesh: &'a Mesh,
     elements: Table<PatchId, Vec<Element>>,
 }
 
-impl Interpolated {
+impl<'a> Interpolated<'a> {
     /// The field with these values at the boundary points of the leaves.
-    pub(super) fn new(mesh: &Mesh, places: &Places<'_>, values: &Values) -> Self {
+    pub(super) fn new(mesh: &'a Mesh, places: &Places<'_>, values: &Values) -> Self {
         let mut elements: Table<PatchId, Vec<Element>> = vec![Vec::new(); mesh.patch_count()].into();
         for leaf in mesh.leaves() {
             let boundary = mesh.boundary(leaf);
@@ -77,20 +78,14 @@ impl Interpolated {
                 })
                 .collect();
         }
-        Self { elements }
+        Self { mesh, elements }
     }
 
-    /// The value at a point of a patch, or of a part of one.
-    pub(super) fn at(&self, mesh: &Mesh, point: &ReceiverPoint, mut patch: PatchId) -> Rgb {
-        while patch.index() >= self.elements.len() || self.elements[patch].is_empty() {
-            match mesh.patch(patch).parent {
-                Some(parent) => patch = parent,
-                None => return Rgb::ZERO,
-            }
-        }
-        let at = mesh.frame(mesh.patch(patch).face).to_2d(point.position_m);
+    /// The value at a point of a face.
+    pub(super) fn at(&self, point: &ReceiverPoint, face: FaceId) -> Rgb {
+        let at = self.mesh.frame(face).to_2d(point.position_m);
         let least = |weights: &[f64; 3]| weights.iter().copied().fold(f64::INFINITY, f64::min);
-        let nearest = self.elements[patch]
+        let nearest = self.elements[self.mesh.leaf_at(face, point.position_m)]
             .iter()
             .map(|element| (element.weights(at), element))
             .reduce(|best, next| if least(&next.0) > least(&best.0) { next } else { best });

@@ -22,16 +22,17 @@ use crate::id::{PatchId, Table};
 use crate::mesh::{Mesh, Patch};
 use crate::prepare::Prepared;
 use crate::scene::Rgb;
-use crate::solve::Solution;
-use crate::transport::DirectLight;
 use crate::transport::form_factor::point_to_polygon;
+use crate::transport::{DirectLight, Linear};
 use crate::visibility::{FEW_SHADOWS, ReceiverPoint, SourcePolygon, Visibility, VisiblePart};
 
 /// A patch that could not bring more than this share of the mean irradiance is weak: what a few rays err about the part of
 /// it that is seen is a fraction of that, and independent from patch to patch.
 const WEAK_OF_MEAN: f64 = 2e-2;
-/// Below this share of the mean irradiance one ray tells whether a weak patch is seen.
-const ONE_RAY_OF_MEAN: f64 = 5e-3;
+/// And of a change of light, of which the greatest stands for all of a patch, and what is missed is gathered next time.
+const WEAK_OF_CHANGE: f64 = 6e-2;
+/// Below this share of what is weak one ray tells whether a patch is seen.
+const ONE_RAY_OF_WEAK: f64 = 0.25;
 /// Rays to a weak patch above that.
 const RAYS: usize = 4;
 
@@ -40,12 +41,12 @@ const RAYS: usize = 4;
 pub struct Irradiance<'a> {
     visibility: &'a Visibility,
     mesh: &'a Mesh,
-    direct: &'a DirectLight<'a>,
     reflected: Reflected<'a>,
     roots: Vec<PatchId>,
     sources: Table<PatchId, ReflectingPatch>,
-    /// Mean irradiance of all faces, in W/m2.
-    mean: f64,
+    /// Mean irradiance of all faces, over the three colours, in W/m2.
+    pub(super) mean: f64,
+    weak_of_mean: f64,
 }
 
 /// A patch as a source.
@@ -59,19 +60,17 @@ struct ReflectingPatch {
 }
 
 impl<'a> Irradiance<'a> {
-    /// Prepares the evaluation of a solved scene.
+    /// Prepares the evaluation of what patches reflect, or of a change of it, in a scene whose mean irradiance is `mean`, in
+    /// W/m2.
     pub fn new(
         prepared: &Prepared,
         visibility: &'a Visibility,
         mesh: &'a Mesh,
-        direct: &'a DirectLight<'a>,
-        solution: &'a Solution,
+        reflected: &'a Table<PatchId, Linear<Rgb>>,
+        mean: Rgb,
     ) -> Self {
         let roots: Vec<PatchId> = prepared.faces.keys().map(|face| mesh.root(face)).collect();
-        let area_m2: f64 = roots.iter().map(|&root| mesh.patch(root).area_m2).sum();
-        let power: Rgb = roots.iter().map(|&root| solution.irradiance[root].mean * mesh.patch(root).area_m2).sum();
-        let mean = power.element_sum() / 3.0 / area_m2;
-        let reflected = Reflected::new(mesh, &solution.reflected, power.max_element() / area_m2);
+        let reflected = Reflected::new(mesh, reflected, mean.max_element());
         let reflecting = |(id, patch): (PatchId, &Patch)| {
             let polygon = SourcePolygon::on_face(prepared, patch.face, mesh.polygon_m(id));
             ReflectingPatch {
@@ -82,20 +81,16 @@ impl<'a> Irradiance<'a> {
             }
         };
         let sources = mesh.patches().map(reflecting).collect();
-        Self { visibility, mesh, direct, reflected, roots, sources, mean }
+        Self { visibility, mesh, reflected, roots, sources, mean: mean.element_sum() / 3.0, weak_of_mean: WEAK_OF_MEAN }
     }
 
-    /// Mean irradiance of all faces, over the three colours, in W/m2.
-    pub fn mean(&self) -> f64 {
-        self.mean
+    /// The same, of a change of what patches reflect.
+    pub(super) fn of_change(self) -> Self {
+        Self { weak_of_mean: WEAK_OF_CHANGE, reflected: self.reflected.of_change(), ..self }
     }
 
-    /// Irradiance straight from the emitters, in W/m2.
-    pub fn direct(&self, receiver: &ReceiverPoint) -> Rgb {
-        self.direct.at(receiver)
-    }
-
-    /// Irradiance by reflection, in W/m2, at a point.
+    /// Irradiance by reflection, in W/m2, at a point; below zero where what is reflected is a change for less, or falls so
+    /// steeply that its linear fit does.
     pub fn indirect(&self, receiver: &ReceiverPoint) -> Rgb {
         self.roots.iter().map(|&root| self.by_patch(receiver, root)).sum()
     }
@@ -110,11 +105,11 @@ impl<'a> Irradiance<'a> {
         }
         let subpatches = self.mesh.patch(patch).subpatches;
         let by_subpatches = || subpatches.into_iter().flatten().map(|part| self.by_patch(receiver, part)).sum();
-        if most_of_mean < WEAK_OF_MEAN {
+        if most_of_mean < self.weak_of_mean {
             if subpatches.is_some() && !self.reflected.is_linear(patch, factor) {
                 return by_subpatches();
             }
-            let rays = if most_of_mean < ONE_RAY_OF_MEAN { 1 } else { RAYS };
+            let rays = if most_of_mean < ONE_RAY_OF_WEAK * self.weak_of_mean { 1 } else { RAYS };
             return factor * self.seen_by_rays(receiver, patch, rays);
         }
         let most_shadows = if subpatches.is_some() { FEW_SHADOWS } else { usize::MAX };
@@ -167,11 +162,11 @@ impl ReflectingPatch {
 
 /// Direct light as a field.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Direct<'a>(pub(super) &'a Irradiance<'a>);
+pub(super) struct Direct<'a>(pub(super) &'a DirectLight<'a>);
 
 impl Field for Direct<'_> {
     fn at(&self, _: &Mesh, point: &ReceiverPoint, _: PatchId) -> Rgb {
-        self.0.direct(point)
+        self.0.at(point)
     }
 }
 
@@ -215,13 +210,14 @@ mod tests {
         let surfaces = Surfaces::new(&scene, &prepared, &mesh, &direct);
         let settings = SolveSettings { max_residual: 1e-7, max_iterations: 99 };
         let solution = solve(&mesh, &surfaces, &links, settings, Progress::silent()).unwrap();
-        let irradiance = Irradiance::new(&prepared, &index, &mesh, &direct, &solution);
+        let irradiance =
+            Irradiance::new(&prepared, &index, &mesh, &solution.reflected, solution.mean_irradiance(&mesh));
         let face = FaceId::from(face);
         let corners = prepared.polygon_m(face);
         let evaluate = |&[s, t]: &[f64; 2]| {
             let p = corners[0] + s * (corners[1] - corners[0]) + t * (corners[corners.len() - 1] - corners[0]);
             let receiver = ReceiverPoint::on_face(&prepared, face, p);
-            [irradiance.direct(&receiver), irradiance.indirect(&receiver)]
+            [direct.at(&receiver), irradiance.indirect(&receiver)]
         };
         points.iter().map(evaluate).collect()
     }

@@ -15,6 +15,6 @@ mod shade;
 mod smooth;
 
 pub use baked_mesh::{BakedMesh, BakedMeshError, BakedPart};
-pub use bounce::add_missed_by_links;
+pub use bounce::bounce;
 pub use irradiance::Irradiance;
-pub use shade::{ShadeSettings, Shaded, shade};
+pub use shade::{ShadeMeshes, ShadeSettings, Shaded, shade};

@@ -15,7 +15,7 @@ use super::element::{Element, Outlined, shifts};
 use super::field::{Field, Places, Values};
 use crate::id::PatchId;
 use crate::mesh::Mesh;
-use crate::progress::{Cancelled, Progress};
+use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::Rgb;
 
 /// The leaves that make up this share of the squared error are split in a round.
@@ -87,7 +87,7 @@ pub(super) fn refine(
         let stale: Vec<Outlined> =
             leaves.par_iter().filter(|leaf| is_stale(**leaf)).map(|&leaf| Outlined::of(mesh, leaf)).collect();
         let requests = stale.par_iter().flat_map_iter(|leaf| leaf.requests(mesh, places)).collect();
-        refined.values.evaluate(mesh, field, requests, progress)?;
+        refined.values.evaluate(mesh, field, requests, Stage::Shade, progress)?;
         let fresh: Vec<Vec<Element>> =
             stale.par_iter().map(|leaf| leaf.elements(mesh, places, &refined.values, field, large_m2)).collect();
         for (leaf, elements) in stale.iter().zip(fresh) {

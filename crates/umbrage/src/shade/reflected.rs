@@ -28,6 +28,8 @@ pub(super) type Part = SmallVec<[Vec<DVec3>; 1]>;
 /// A patch stands for its parts, and a slice for its points, where that changes irradiance by no more than this share of
 /// its mean: a point gathers over some hundred patches, whose errors partly cancel.
 const TRIFLE_OF_MEAN: f64 = 5e-4;
+/// And of a change of light, which is smaller.
+const TRIFLE_OF_CHANGE: f64 = 5e-5;
 /// A leaf is sliced into at most two to this power.
 const MOST_HALVINGS: usize = 3;
 
@@ -79,17 +81,22 @@ impl<'a> Reflected<'a> {
         Self { mesh, radiosity, variation, trifle: TRIFLE_OF_MEAN * mean }
     }
 
+    /// The same, of a change of light.
+    pub(super) fn of_change(self) -> Self {
+        Self { trifle: TRIFLE_OF_CHANGE / TRIFLE_OF_MEAN * self.trifle, ..self }
+    }
+
     /// What a patch reflects at a point of its plane, by its linear fit, in W/m2.
     pub(super) fn at(&self, patch: PatchId, point_m: DVec3) -> Rgb {
         let node = self.mesh.patch(patch);
         let frame = self.mesh.frame(node.face);
-        self.radiosity[patch].at(frame.to_2d(point_m) - frame.to_2d(node.centroid_m)).max(Rgb::ZERO)
+        self.radiosity[patch].at(frame.to_2d(point_m) - frame.to_2d(node.centroid_m))
     }
 
     /// The most that a patch reflects anywhere, in the brightest colour, in W/m2.
     pub(super) fn greatest(&self, patch: PatchId) -> f64 {
         let Variation { linear, departure } = self.variation[patch];
-        self.radiosity[patch].mean.max_element() + linear + departure
+        self.radiosity[patch].mean.abs().max_element() + linear + departure
     }
 
     /// Whether the linear fit of a patch tells what all of it reflects well enough for a point with this factor to it.
@@ -208,5 +215,7 @@ fn seen_middle_m(receiver: &ReceiverPoint, part: &Part, normal: DVec3) -> Option
         / doubled_m2
         - along(centroid);
     let reach_m = part.iter().flatten().map(|&p| p.distance(first + centroid)).fold(0.0, f64::max);
-    Some(first + centroid + spread.clamp_length_max(MOST_SHIFT * reach_m))
+    // On the horizon itself the factor's growth is infinite.
+    let shift = spread.clamp_length_max(MOST_SHIFT * reach_m);
+    Some(first + centroid + if shift.is_finite() { shift } else { DVec3::ZERO })
 }

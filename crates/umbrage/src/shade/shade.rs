@@ -1,8 +1,8 @@
 //! From the solved hierarchy to what is shown.
 //!
 //! Indirect light is smooth: it is gathered from the hierarchy at few points, between which it is quadratic within a share
-//! of the tolerance. Then the mesh is refined for the sum of exact direct light and that. At last every leaf is cut
-//! into triangles, and the light of each vertex is written down.
+//! of the tolerance, on a mesh of its own. Then what is shown is refined for the sum of exact direct light and that. At last
+//! every leaf is cut into triangles, and the light of each vertex is written down.
 //!
 //! The mesh that is shown is not the one that carried transport: that one must be well shaped, this one must follow the
 //! light, and where light is even it stays coarse.
@@ -18,6 +18,7 @@ use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress};
 use crate::scene::{Rgb, Scene};
+use crate::transport::DirectLight;
 use crate::visibility::ReceiverPoint;
 
 /// The share of the tolerance that interpolation of indirect light may take.
@@ -53,23 +54,33 @@ pub struct Shaded {
 /// Direct light exactly, plus indirect light from few points.
 struct Total<'a> {
     direct: Direct<'a>,
-    indirect: &'a Interpolated,
+    indirect: Interpolated<'a>,
 }
 
 impl Field for Total<'_> {
     fn at(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> Rgb {
-        self.direct.at(mesh, point, patch) + self.indirect.at(mesh, point, patch)
+        self.direct.at(mesh, point, patch) + self.indirect.at(point, mesh.patch(patch).face)
     }
 }
 
-/// Refines `mesh` for what is seen, cuts it into triangles and evaluates the light of their corners.
+/// The meshes that the light refines.
+#[derive(Clone, Debug)]
+pub struct ShadeMeshes {
+    /// What is shown, with all d-segments as hints.
+    pub shown: Mesh,
+    /// What indirect light is gathered on, which shadows of direct light need not cut.
+    pub gathering: Mesh,
+}
+
+/// Refines the meshes, cuts the one that is shown into triangles and evaluates the light of their corners.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.
 pub fn shade(
     scene: &Scene,
     prepared: &Prepared,
-    mesh: &mut Mesh,
+    ShadeMeshes { shown: mesh, gathering }: &mut ShadeMeshes,
+    direct: &DirectLight<'_>,
     irradiance: &Irradiance<'_>,
     settings: ShadeSettings,
     progress: Progress<'_>,
@@ -80,17 +91,17 @@ pub fn shade(
     };
     let places = Places::new(prepared);
     mesh.remove_d0_hints();
-    let mean = irradiance.mean();
+    let mean = irradiance.mean;
     let smooth = RefineSettings {
         interpolation: Interpolation::Quadratic,
         tolerance: INDIRECT_SHARE * settings.tolerance,
         mean,
-        max_triangles: settings.max_triangles / 2,
+        max_triangles: settings.max_triangles,
     };
     let everywhere = |_: &Mesh, _: PatchId| true;
-    let gathered = refine(mesh, &places, &Indirect(irradiance), everywhere, smooth, progress)?;
-    let indirect = Interpolated::new(mesh, &places, &gathered.values);
-    let total = Total { direct: Direct(irradiance), indirect: &indirect };
+    let gathered = refine(gathering, &places, &Indirect(irradiance), everywhere, smooth, progress)?;
+    let indirect = Interpolated::new(gathering, &places, &gathered.values);
+    let total = Total { direct: Direct(direct), indirect };
     let whole = RefineSettings {
         interpolation: Interpolation::Linear,
         tolerance: LINEAR_SHARE * settings.tolerance,

@@ -25,7 +25,7 @@ pub struct SolveSettings {
 
 impl Default for SolveSettings {
     fn default() -> Self {
-        Self { max_residual: 1e-4, max_iterations: 200 }
+        Self { max_residual: 1e-5, max_iterations: 200 }
     }
 }
 
@@ -62,6 +62,16 @@ impl Solution {
     pub fn relative_change(&self, mesh: &Mesh, before: &Solution) -> f64 {
         let irradiance = |leaf: PatchId| [before, self].map(|solution| solution.irradiance[leaf].mean);
         relative_change(mesh, irradiance, |leaf| self.irradiance[leaf].mean)
+    }
+
+    /// Mean irradiance of all faces, in W/m2.
+    pub fn mean_irradiance(&self, mesh: &Mesh) -> Rgb {
+        let (mut power, mut area_m2) = (Rgb::ZERO, 0.0);
+        for leaf in mesh.leaves() {
+            power += mesh.patch(leaf).area_m2 * self.irradiance[leaf].mean;
+            area_m2 += mesh.patch(leaf).area_m2;
+        }
+        power / area_m2
     }
 
     /// Checks that light is finite and not negative.

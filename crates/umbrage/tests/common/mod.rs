@@ -6,6 +6,8 @@
     reason = "shared by test binaries, each of which uses a part"
 )]
 
+pub mod build;
+
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 

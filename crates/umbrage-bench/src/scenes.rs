@@ -1,0 +1,73 @@
+//! The scenes that are measured, by name.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use umbrage::scene::Scene;
+use umbrage_bench::box_field;
+use umbrage_formats::read_scene;
+
+/// A path in the project, from where the program runs if it runs in the project.
+pub(crate) fn in_project(path: &str) -> PathBuf {
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    let here = || root.canonicalize().ok().zip(std::env::current_dir().ok()).is_some_and(|(root, here)| root == here);
+    if here() { path.into() } else { root.join(path) }
+}
+
+/// Scenes that a run has where none are named: those that are quick.
+pub(crate) const SMALL: [&str; 5] = ["cornell", "touching", "occluder", "room", "field-100"];
+
+/// Lamps above a field of boxes.
+const LAMPS: usize = 3;
+
+/// The file of a scene of the project.
+fn file(name: &str) -> Option<PathBuf> {
+    let file = match name {
+        "cornell" => "cornell.glb",
+        "touching" => "touching.glb",
+        "occluder" => "occluder.glb",
+        "room" => "room.obj",
+        _ => return None,
+    };
+    Some(in_project("testdata/scenes").join(file))
+}
+
+/// The number of polygons of a field of boxes, from its name: `field-1000`.
+pub(crate) fn field_polygons(name: &str) -> Option<usize> {
+    name.strip_prefix("field-")?.parse().ok()
+}
+
+/// The scene of a name, or of a path where there is none of that name.
+pub(crate) fn scene(name: &str) -> anyhow::Result<Scene> {
+    if let Some(polygons) = field_polygons(name) {
+        return Ok(box_field(polygons, LAMPS));
+    }
+    let path = file(name).unwrap_or_else(|| name.into());
+    if !path.exists() {
+        bail!(
+            "{name} is neither a file nor one of: cornell, touching, occluder, room, field-N (boxes of N faces in all)"
+        );
+    }
+    let (scene, warnings) = read_scene(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    warnings.iter().for_each(|warning| crate::tell(&format!("{name}: {warning}")));
+    Ok(scene)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_small_scene_is_there() {
+        for name in SMALL {
+            assert!(scene(name).unwrap().polygon_count() > 2, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_field_has_as_many_polygons_as_its_name_says() {
+        assert!(scene("field-300").unwrap().polygon_count().abs_diff(300) < 10);
+        let unknown = scene("field").unwrap_err().to_string();
+        assert!(unknown.starts_with("field is neither a file"), "{unknown}");
+    }
+}

