@@ -8,11 +8,12 @@ use std::hint::black_box;
 
 use divan::Bencher;
 use umbrage::discontinuity::{self, Discontinuities};
+use umbrage::id::Table;
 use umbrage::mesh::{Mesh, MeshSettings};
 use umbrage::prepare::{self, Prepared};
 use umbrage::progress::Progress;
 use umbrage::scene::{Scene, cornell::cornell_box};
-use umbrage::shade::{self, Irradiance, ShadeSettings};
+use umbrage::shade::{self, Irradiance, ShadeMeshes, ShadeSettings};
 use umbrage::solve::{self, Solution, SolveSettings, Surfaces};
 use umbrage::transport::{self, DirectLight, FormFactorOracle, Links};
 use umbrage::visibility::Visibility;
@@ -108,9 +109,14 @@ fn shade(bencher: Bencher<'_, '_>, name: &str) {
     let Stages { scene, prepared, visibility, mesh, .. } = &stages;
     let direct = DirectLight::new(scene, prepared, visibility);
     let solution = stages.solve(&direct);
-    let light = Irradiance::new(prepared, visibility, mesh, &direct, &solution);
+    let light = Irradiance::new(prepared, visibility, mesh, &solution.reflected, solution.mean_irradiance(mesh));
     let settings = ShadeSettings { tolerance: TOLERANCE, ..ShadeSettings::default() };
     bencher
-        .with_inputs(|| stages.uncut())
-        .bench_local_refs(|shown| shade::shade(scene, prepared, shown, &light, settings, Progress::silent()).unwrap());
+        .with_inputs(|| ShadeMeshes {
+            shown: stages.uncut(),
+            gathering: Mesh::new(prepared, &Table::new(), MeshSettings::default()),
+        })
+        .bench_local_refs(|meshes| {
+            shade::shade(scene, prepared, meshes, &direct, &light, settings, Progress::silent()).unwrap()
+        });
 }
