@@ -34,6 +34,8 @@ pub(super) struct Element {
     /// Mean square of how far the field departs from the parabola through corners and middles at [`MORE_PROBES`], where it was
     /// looked at there.
     between: Rgb,
+    /// Whether it ends in a corner of a contact, where the field has no one value.
+    at_contact_corner: bool,
 }
 
 /// Where an element is looked at inside: barycentric coordinates. On a face that is lit evenly all around, the points of the
@@ -95,10 +97,11 @@ impl Outlined {
                 let error = departure([p, q, r]) - 4.0 * (p * q * bulges[0] + q * r * bulges[1] + r * p * bulges[2]);
                 error * error
             };
+            let at_contact_corner = triangle.iter().any(|&k| places.is_contact_corner(mesh, self.boundary[k].vertex));
             let area_m2 = 0.5 * (b - a).cross(c - a).length();
             let between =
                 if area_m2 > large_m2 { MORE_PROBES.map(beyond).into_iter().sum::<Rgb>() / 2.0 } else { Rgb::ZERO };
-            Some(Element { area_m2, corners, bulges, inside: departure(PROBE), between })
+            Some(Element { area_m2, corners, bulges, inside: departure(PROBE), between, at_contact_corner })
         };
         self.triangles.iter().filter_map(element).collect()
     }
@@ -117,6 +120,14 @@ impl Element {
         // A bump of height h inside alone has a mean square of about h^2 / 6.
         let inside = self.inside - (PROBE[0] * s[0] + PROBE[1] * s[1] + PROBE[2] * s[2]);
         quadratic.max(inside * inside / 6.0).max(self.between)
+    }
+
+    /// Whether linear interpolation errs by more than a share of the light here and a share of the mean light, in W/m2; never
+    /// at a corner of a contact, where it always does.
+    pub(super) fn errs_locally(&self, values: &Values, shifts: &[Rgb], of_own: f64, least: f64) -> bool {
+        let own: Rgb = self.corners.iter().map(|&corner| values.as_slice()[corner as usize]).sum();
+        let most = of_own * own.element_sum() / 9.0 + least;
+        !self.at_contact_corner && self.linear_error_squared(shifts).element_sum() / 3.0 > most * most
     }
 
     /// Square of what quadratic interpolation errs where it was looked at, per colour.
@@ -172,7 +183,14 @@ mod tests {
     #[test]
     fn the_closed_form_is_the_mean_square_over_the_triangle() {
         let bulges = [0.3, -0.1, 0.7].map(Rgb::splat);
-        let element = Element { area_m2: 1.0, corners: [0, 1, 2], bulges, inside: Rgb::ZERO, between: Rgb::ZERO };
+        let element = Element {
+            area_m2: 1.0,
+            corners: [0, 1, 2],
+            bulges,
+            inside: Rgb::ZERO,
+            between: Rgb::ZERO,
+            at_contact_corner: false,
+        };
         let shifts = [0.2, -0.4, 0.1].map(Rgb::splat);
         let squared = element.linear_error_squared(&shifts).x;
         assert!((squared / sampled(&element, &shifts) - 1.0).abs() < 0.02, "{squared}");

@@ -87,6 +87,11 @@ impl<'a> Places<'a> {
         Self { prepared, contact_vertices, contact_edges }
     }
 
+    /// Whether a vertex is where contacts end or turn: there irradiance depends on the direction from which one comes.
+    pub(super) fn is_contact_corner(&self, mesh: &Mesh, vertex: VertexId) -> bool {
+        mesh.split_root(vertex).is_none() && self.contact_vertices[vertex]
+    }
+
     fn on_contact(&self, mesh: &Mesh, vertex: VertexId) -> bool {
         mesh.is_jump_vertex(vertex)
             || match mesh.split_root(vertex) {

@@ -3,7 +3,7 @@
 //! Light decides where, hints decide how: the leaf that errs most is split by `split`, along its d-segments first. What a leaf
 //! errs is told by the elements that `point_split` would make of it ([`super::element`]).
 //!
-//! In each round the smallest set of leaves that makes up a share of the error is split, until the root of the mean
+//! A leaf that errs much by its own light is split too, though it be too dim to count in the mean. In each round the smallest set of leaves that makes up a share of the error is split, until the root of the mean
 //! square error over all receiving sides is within the tolerance times the mean of the field (bulk marking, Dörfler
 //! 1996). Points are evaluated in parallel, splits follow in the order of ids.
 //!
@@ -24,6 +24,13 @@ const SHARE_A_ROUND: f64 = 0.6;
 const LEAST_SHARE_OF_LEAVES: f64 = 0.02;
 /// Elements larger than this share of all area are looked at in more points before interpolation over them is trusted.
 const LARGE_OF_ALL: f64 = 2e-3;
+/// No element may err by more than so many tolerances of its own light, besides one tolerance of the mean light: what is dim is
+/// little of the mean error, and is looked at all the same.
+const OWN_TOLERANCES: f64 = 10.0;
+/// And its estimated error must stay below this share of that: a few points may tell too little.
+const LOCAL_MARGIN: f64 = 0.6;
+/// Leaves smaller than this share of all area may.
+const LEAST_OF_ALL: f64 = 1e-7;
 /// No refinement needs more rounds: each halves the greatest errors at least.
 const MOST_ROUNDS: usize = 60;
 
@@ -43,6 +50,8 @@ pub(super) struct RefineSettings {
     pub(super) interpolation: Interpolation,
     /// Root mean square error over the mean of the field.
     pub(super) tolerance: f64,
+    /// The tolerance of the whole bake, which bounds the error of each element.
+    pub(super) local_tolerance: f64,
     /// The mean irradiance that the tolerance refers to, in W/m2.
     pub(super) mean: f64,
     /// Leaves with more triangles in all are not made.
@@ -117,16 +126,35 @@ pub(super) fn refine(
         let points = refined.values.as_slice().len();
         tracing::debug!(leaves = leaves.len(), triangles, points, error = refined.error, "refined");
         let target = (settings.tolerance * settings.mean).powi(2) * area_m2;
-        if total <= target || triangles >= settings.max_triangles {
+        let tolerance = LOCAL_MARGIN * settings.local_tolerance;
+        let errs_locally = |leaf: PatchId| {
+            mesh.patch(leaf).area_m2 > LEAST_OF_ALL * area_m2
+                && elements_of(leaf).any(|element| {
+                    let (of_own, least) = (OWN_TOLERANCES * tolerance, tolerance * settings.mean);
+                    element.errs_locally(&refined.values, &refined.shifts, of_own, least)
+                })
+        };
+        let local: Vec<PatchId> = match settings.interpolation {
+            Interpolation::Linear => leaves.iter().copied().filter(|&leaf| errs_locally(leaf)).collect(),
+            Interpolation::Quadratic => Vec::new(),
+        };
+        if (total <= target && local.is_empty()) || triangles >= settings.max_triangles {
             break;
         }
-        split_worst(mesh, errors, total, target, settings.max_triangles - triangles);
+        let room = settings.max_triangles - triangles;
+        let mut marked = if total <= target { Vec::new() } else { worst(errors, total, target, room) };
+        marked.extend(local.into_iter().take(room.saturating_sub(marked.len())));
+        marked.sort_unstable();
+        marked.dedup();
+        for leaf in marked {
+            mesh.split(leaf);
+        }
     }
     Ok(refined)
 }
 
-/// Splits the leaves that make up a share of the squared error, and no more than are needed for the target.
-fn split_worst(mesh: &mut Mesh, mut errors: Vec<(PatchId, f64)>, total: f64, target: f64, room: usize) {
+/// The leaves that make up a share of the squared error, and no more than are needed for the target.
+fn worst(mut errors: Vec<(PatchId, f64)>, total: f64, target: f64, room: usize) -> Vec<PatchId> {
     errors.sort_by(|(p, first), (q, second)| second.total_cmp(first).then(p.cmp(q)));
     let enough = (SHARE_A_ROUND * total).min(total - 0.5 * target);
     let least = (LEAST_SHARE_OF_LEAVES * errors.len() as f64) as usize;
@@ -139,8 +167,5 @@ fn split_worst(mesh: &mut Mesh, mut errors: Vec<(PatchId, f64)>, total: f64, tar
         sum += squared;
         marked.push(leaf);
     }
-    marked.sort_unstable();
-    for leaf in marked {
-        mesh.split(leaf);
-    }
+    marked
 }
