@@ -122,12 +122,12 @@ impl Element {
         quadratic.max(inside * inside / 6.0).max(self.between)
     }
 
-    /// Whether linear interpolation errs by more than a share of the light here and a share of the mean light, in W/m2; never
+    /// Whether the square of what interpolation errs, per colour, is of more than a share of the light here and a share of the mean light, in W/m2; never
     /// at a corner of a contact, where it always does.
-    pub(super) fn errs_locally(&self, values: &Values, shifts: &[Rgb], of_own: f64, least: f64) -> bool {
+    pub(super) fn errs_locally(&self, squared: Rgb, values: &Values, of_own: f64, least: f64) -> bool {
         let own: Rgb = self.corners.iter().map(|&corner| values.as_slice()[corner as usize]).sum();
         let most = of_own * own.element_sum() / 9.0 + least;
-        !self.at_contact_corner && self.linear_error_squared(shifts).element_sum() / 3.0 > most * most
+        !self.at_contact_corner && squared.element_sum() / 3.0 > most * most
     }
 
     /// Square of what quadratic interpolation errs where it was looked at, per colour.

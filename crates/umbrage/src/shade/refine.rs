@@ -27,8 +27,6 @@ const LARGE_OF_ALL: f64 = 2e-3;
 /// No element may err by more than so many tolerances of its own light, besides one tolerance of the mean light: what is dim is
 /// little of the mean error, and is looked at all the same.
 const OWN_TOLERANCES: f64 = 10.0;
-/// And its estimated error must stay below this share of that: a few points may tell too little.
-const LOCAL_MARGIN: f64 = 0.6;
 /// Leaves smaller than this share of all area may.
 const LEAST_OF_ALL: f64 = 1e-7;
 /// No refinement needs more rounds: each halves the greatest errors at least.
@@ -50,8 +48,6 @@ pub(super) struct RefineSettings {
     pub(super) interpolation: Interpolation,
     /// Root mean square error over the mean of the field.
     pub(super) tolerance: f64,
-    /// The tolerance of the whole bake, which bounds the error of each element.
-    pub(super) local_tolerance: f64,
     /// The mean irradiance that the tolerance refers to, in W/m2.
     pub(super) mean: f64,
     /// Leaves with more triangles in all are not made.
@@ -126,18 +122,14 @@ pub(super) fn refine(
         let points = refined.values.as_slice().len();
         tracing::debug!(leaves = leaves.len(), triangles, points, error = refined.error, "refined");
         let target = (settings.tolerance * settings.mean).powi(2) * area_m2;
-        let tolerance = LOCAL_MARGIN * settings.local_tolerance;
         let errs_locally = |leaf: PatchId| {
             mesh.patch(leaf).area_m2 > LEAST_OF_ALL * area_m2
                 && elements_of(leaf).any(|element| {
-                    let (of_own, least) = (OWN_TOLERANCES * tolerance, tolerance * settings.mean);
-                    element.errs_locally(&refined.values, &refined.shifts, of_own, least)
+                    let (of_own, least) = (OWN_TOLERANCES * settings.tolerance, settings.tolerance * settings.mean);
+                    element.errs_locally(squared(element), &refined.values, of_own, least)
                 })
         };
-        let local: Vec<PatchId> = match settings.interpolation {
-            Interpolation::Linear => leaves.iter().copied().filter(|&leaf| errs_locally(leaf)).collect(),
-            Interpolation::Quadratic => Vec::new(),
-        };
+        let local: Vec<PatchId> = leaves.iter().copied().filter(|&leaf| errs_locally(leaf)).collect();
         if (total <= target && local.is_empty()) || triangles >= settings.max_triangles {
             break;
         }

@@ -95,7 +95,6 @@ pub fn shade(
     let smooth = RefineSettings {
         interpolation: Interpolation::Quadratic,
         tolerance: INDIRECT_SHARE * settings.tolerance,
-        local_tolerance: settings.tolerance,
         mean,
         max_triangles: settings.max_triangles,
     };
@@ -106,7 +105,6 @@ pub fn shade(
     let whole = RefineSettings {
         interpolation: Interpolation::Linear,
         tolerance: LINEAR_SHARE * settings.tolerance,
-        local_tolerance: settings.tolerance,
         mean,
         max_triangles: settings.max_triangles,
     };
