@@ -129,17 +129,16 @@ pub(super) fn refine(
                     element.errs_locally(squared(element), &refined.values, of_own, least)
                 })
         };
-        let local: Vec<PatchId> = leaves.iter().copied().filter(|&leaf| errs_locally(leaf)).collect();
-        if (total <= target && local.is_empty()) || triangles >= settings.max_triangles {
-            break;
-        }
-        let room = settings.max_triangles - triangles;
-        let mut marked = if total <= target { Vec::new() } else { worst(errors, total, target, room) };
-        marked.extend(local.into_iter().take(room.saturating_sub(marked.len())));
+        // Where triangles are few, the mean error comes first.
+        let room = settings.max_triangles.saturating_sub(triangles);
+        let mut marked: Vec<PatchId> = if total > target {
+            worst(errors, total, target, room)
+        } else {
+            leaves.iter().copied().filter(|&leaf| errs_locally(leaf)).take(room).collect()
+        };
         marked.sort_unstable();
-        marked.dedup();
-        for leaf in marked {
-            mesh.split(leaf);
+        if room == 0 || marked.into_iter().filter(|&leaf| mesh.split(leaf)).count() == 0 {
+            break;
         }
     }
     Ok(refined)
