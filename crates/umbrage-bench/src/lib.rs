@@ -5,7 +5,7 @@
 //! lamps grow with the floor, so that the share of boxes that stand in one another's light stays what it is.
 
 use glam::{DQuat, DVec3};
-use umbrage::id::{MaterialId, NodeId};
+use umbrage::id::NodeId;
 use umbrage::scene::{Material, Node, Rgb, Scene, Surface};
 
 /// Faces of a box.
@@ -26,18 +26,6 @@ impl Random {
     }
 }
 
-fn surface(scene: &mut Scene, material: MaterialId) -> usize {
-    scene.surfaces.push(Surface::new(NodeId::from(0), material));
-    scene.surfaces.len() - 1
-}
-
-fn add(scene: &mut Scene, surface: usize, corners: impl IntoIterator<Item = DVec3>) {
-    let surface = &mut scene.surfaces.raw[surface];
-    let first = surface.positions_m.len() as u32;
-    surface.positions_m.extend(corners);
-    surface.polygons.push((first..surface.positions_m.len() as u32).collect());
-}
-
 /// A box around the origin, looking outward.
 fn faces(half: DVec3) -> [[DVec3; 4]; FACES] {
     let corner = |i: usize| half * DVec3::new([-1.0, 1.0][i & 1], [-1.0, 1.0][i >> 1 & 1], [-1.0, 1.0][i >> 2 & 1]);
@@ -50,11 +38,11 @@ pub fn box_field(face_count: usize, lamp_count: usize) -> Scene {
     scene.nodes.push(Node { name: Some("field".into()), ..Node::default() });
     let grey = scene.materials.push_and_get_key(Material::diffuse("grey", Rgb::splat(0.5)));
     let light = scene.materials.push_and_get_key(Material::emitting("lamp", Rgb::splat(10.0)));
-    let [ground, boxes] = [grey, grey].map(|material| surface(&mut scene, material));
+    let [mut ground, mut boxes] = [grey, grey].map(|material| Surface::new(NodeId::from(0), material));
     let side = (face_count as f64 / FACES as f64).sqrt().ceil().max(1.0);
     let half_m = 0.5 * side * CELL_M;
     let square = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
-    add(&mut scene, ground, square.map(|(x, z)| half_m * DVec3::new(x, 0.0, z)));
+    ground.push_polygon(square.map(|(x, z)| half_m * DVec3::new(x, 0.0, z)));
     let mut random = Random(1);
     for i in 0..face_count / FACES {
         let cell = DVec3::new(i as f64 % side + 0.5, 0.0, (i as f64 / side).floor() + 0.5) * CELL_M;
@@ -66,16 +54,16 @@ pub fn box_field(face_count: usize, lamp_count: usize) -> Scene {
         let height_m = if standing { half.y } else { random.between(0.45, 0.6) * CELL_M };
         let at = cell - DVec3::new(half_m, -height_m, half_m);
         for face in faces(half) {
-            add(&mut scene, boxes, face.map(|p| at + turn * (lean * p)));
+            boxes.push_polygon(face.map(|p| at + turn * (lean * p)));
         }
     }
-    let lamps = surface(&mut scene, light);
+    let mut lamps = Surface::new(NodeId::from(0), light);
     for _ in 0..lamp_count {
         let at = DVec3::new(random.between(-0.7, 0.7), random.between(0.9, 1.1), random.between(-0.7, 0.7)) * half_m;
         let turn = DQuat::from_rotation_y(random.between(0.0, 6.3)) * DQuat::from_rotation_x(random.between(-0.4, 0.4));
-        let corners = square.map(|(x, z)| at + turn * (0.05 * half_m * DVec3::new(x, 0.0, -z)));
-        add(&mut scene, lamps, corners);
+        lamps.push_polygon(square.map(|(x, z)| at + turn * (0.05 * half_m * DVec3::new(x, 0.0, -z))));
     }
+    scene.surfaces.extend([ground, boxes, lamps]);
     scene
 }
 

@@ -11,7 +11,6 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use clap::Args;
-use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use umbrage::bake::{BakeSettings, bake};
 use umbrage::progress::Progress;
@@ -122,12 +121,9 @@ fn verified(scene: &Scene, mesh: &BakedMesh) -> anyhow::Result<Verified> {
 
 /// The triangles of a baked mesh in the world.
 pub(crate) fn triangles(mesh: &BakedMesh) -> Vec<BakedTriangle> {
-    let vector = |v: [f32; 3]| DVec3::from(v.map(f64::from));
     let of_part = mesh.parts.iter().flat_map(|part| {
-        part.triangles.iter().map(move |corners| BakedTriangle {
-            corners_m: corners.map(|i| mesh.origin_m + vector(part.positions_m[i as usize])),
-            irradiance: corners.map(|i| vector(part.irradiance[i as usize])),
-        })
+        let triangle = |&corners| BakedTriangle::new(mesh.origin_m, corners, &part.positions_m, &part.irradiance);
+        part.triangles.iter().map(triangle)
     });
     of_part.collect()
 }

@@ -86,12 +86,9 @@ pub(crate) fn run(args: &VerifyArgs, output: Output) -> anyhow::Result<()> {
 
 /// The triangles of a baked file, in the world.
 fn triangles(baked: &BakedFile) -> Vec<BakedTriangle> {
-    let vector = |v: [f32; 3]| DVec3::from(v.map(f64::from));
     let parts = baked.parts.iter().flat_map(|part| {
-        part.triangles.iter().map(move |corners| BakedTriangle {
-            corners_m: corners.map(|i| baked.origin_m + vector(part.positions_m[i as usize])),
-            irradiance: corners.map(|i| vector(part.irradiance[i as usize])),
-        })
+        let triangle = |&corners| BakedTriangle::new(baked.origin_m, corners, &part.positions_m, &part.irradiance);
+        part.triangles.iter().map(triangle)
     });
     parts.collect()
 }

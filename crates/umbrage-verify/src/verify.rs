@@ -24,6 +24,14 @@ pub struct BakedTriangle {
     pub irradiance: [Rgb; 3],
 }
 
+impl BakedTriangle {
+    /// The triangle of the corners with these numbers, whose positions are relative to `origin_m`.
+    pub fn new(origin_m: DVec3, corners: [u32; 3], positions_m: &[[f32; 3]], irradiance: &[[f32; 3]]) -> Self {
+        let vectors = |of: &[[f32; 3]]| corners.map(|i| DVec3::from(of[i as usize].map(f64::from)));
+        Self { corners_m: vectors(positions_m).map(|p| origin_m + p), irradiance: vectors(irradiance) }
+    }
+}
+
 /// How much is checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {

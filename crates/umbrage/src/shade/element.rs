@@ -94,7 +94,7 @@ impl Outlined {
                 field.at(mesh, &point, self.patch) - (p * at[0] + q * at[1] + r * at[2])
             };
             let beyond = |[p, q, r]: [f64; 3]| {
-                let error = departure([p, q, r]) - 4.0 * (p * q * bulges[0] + q * r * bulges[1] + r * p * bulges[2]);
+                let error = departure([p, q, r]) - parabola([p, q, r], &bulges);
                 error * error
             };
             let at_contact_corner = triangle.iter().any(|&k| places.is_contact_corner(mesh, self.boundary[k].vertex));
@@ -105,6 +105,11 @@ impl Outlined {
         };
         self.triangles.iter().filter_map(element).collect()
     }
+}
+
+/// How far the parabola with these bulges departs from a plane through its corners, at barycentric coordinates.
+fn parabola([p, q, r]: [f64; 3], bulges: &[Rgb; 3]) -> Rgb {
+    4.0 * (p * q * bulges[0] + q * r * bulges[1] + r * p * bulges[2])
 }
 
 impl Element {
@@ -122,8 +127,8 @@ impl Element {
         quadratic.max(inside * inside / 6.0).max(self.between)
     }
 
-    /// Whether the square of what interpolation errs, per colour, is of more than a share of the light here and a share of the mean light, in W/m2; never
-    /// at a corner of a contact, where it always does.
+    /// Whether the mean square of what interpolation errs, per colour, is of more than a share of the light here and `least`, in
+    /// W/m2; never at a corner of a contact, where it always is.
     pub(super) fn errs_locally(&self, squared: Rgb, values: &Values, of_own: f64, least: f64) -> bool {
         let own: Rgb = self.corners.iter().map(|&corner| values.as_slice()[corner as usize]).sum();
         let most = of_own * own.element_sum() / 9.0 + least;
@@ -132,8 +137,7 @@ impl Element {
 
     /// Square of what quadratic interpolation errs where it was looked at, per colour.
     pub(super) fn quadratic_error_squared(&self) -> Rgb {
-        let [p, q, r] = PROBE;
-        let inside = self.inside - 4.0 * (p * q * self.bulges[0] + q * r * self.bulges[1] + r * p * self.bulges[2]);
+        let inside = self.inside - parabola(PROBE, &self.bulges);
         (inside * inside).max(self.between)
     }
 }
