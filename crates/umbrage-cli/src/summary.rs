@@ -6,6 +6,7 @@ use std::time::Duration;
 use umbrage::bake::Report;
 use umbrage::prepare::PrepareReport;
 use umbrage::scene::Rgb;
+use umbrage::solve::EnergyAccount;
 use umbrage_formats::Written;
 
 use crate::light::Fluxes;
@@ -31,6 +32,7 @@ pub(crate) fn summary(report: &Report, fluxes: &Fluxes, written: &Written, elaps
     line("triangles", grouped(report.triangles));
     line("error", format!("{:.2} % of the mean light, between vertices (estimate)", 100.0 * report.error));
     line("residual", format!("{:.1e} after {}", report.residual, count(report.iterations, "iteration")));
+    line("energy", energy(&report.energy));
     let clipped = match written.clipped_vertices {
         0 => String::new(),
         n => format!(", {} cut off at white", count(n, "vertex|vertices")),
@@ -46,6 +48,25 @@ pub(crate) fn summary(report: &Report, fluxes: &Fluxes, written: &Written, elaps
         line("mended", mended.join(", "));
     }
     text
+}
+
+/// Where the light goes, as shares of what is emitted.
+fn energy(account: &EnergyAccount) -> String {
+    let emitted = account.emitted_w.element_sum();
+    if emitted <= 0.0 {
+        return "none is emitted".into();
+    }
+    let percent = |part: Rgb| 100.0 * part.element_sum() / emitted;
+    let on_backs = match percent(account.on_backs_w) {
+        none if none < 0.005 => String::new(),
+        some => format!(", {some:.2} % falls on the backs of surfaces"),
+    };
+    format!(
+        "{:.2} % is absorbed, {:.2} % leaves the scene{on_backs}; in error {:+.2} %",
+        percent(account.absorbed_w),
+        percent(account.leaving_w),
+        100.0 * account.error()
+    )
 }
 
 /// What `prepare` mended, where it mended anything.

@@ -26,7 +26,7 @@ use crate::prepare::{self, PrepareError, PrepareReport, PrepareSettings, Prepare
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Scene, SceneError};
 use crate::shade::{self, BakedMesh, Irradiance, ShadeMeshes, ShadeSettings};
-use crate::solve::{self, SolveSettings, Surfaces};
+use crate::solve::{self, EnergyAccount, SolveSettings, Surfaces};
 use crate::transport::{self, DirectLight, FormFactorOracle, Links};
 use crate::visibility::Visibility;
 
@@ -138,6 +138,8 @@ pub struct Report {
     pub iterations: usize,
     /// Residual of the solution.
     pub residual: f64,
+    /// Where the light of the solution comes from and where it goes.
+    pub energy: EnergyAccount,
     /// Seconds of each stage, in order.
     pub seconds: Vec<(Stage, f64)>,
 }
@@ -210,6 +212,7 @@ pub fn bake_and_keep(
     let solve = |surfaces: &Surfaces| solve::solve(mesh, surfaces, &links, settings.solve, progress);
     let solution = shade::bounce(prepared, &visibility, mesh, &mut surfaces, solve, progress)?;
     check(|| solution.validate().map_err(|error| error.to_string()));
+    let energy = EnergyAccount::new(prepared, &visibility, mesh, &surfaces, &direct, &solution);
     clock.end_of(Stage::Solve);
 
     let light = Irradiance::new(prepared, &visibility, mesh, &solution.reflected, solution.mean_irradiance(mesh));
@@ -236,6 +239,7 @@ pub fn bake_and_keep(
         error: shaded.error,
         iterations: solution.iterations,
         residual: solution.residual,
+        energy,
         seconds: clock.seconds,
     };
     Ok((Bake { mesh: shaded.mesh, report }, meshed))

@@ -5,11 +5,13 @@
 //! and what is reflected comes over links. An iteration
 //! gathers over all links ([`gather`]), then pushes irradiance down to the leaves and pulls radiosity up ([`push_pull`]).
 
+mod energy;
 mod gather;
 mod iterate;
 mod push_pull;
 mod surfaces;
 
+pub use energy::EnergyAccount;
 pub use gather::{RadiosityMoments, gather};
 pub use iterate::{Solution, SolutionError, SolveSettings, solve};
 pub use push_pull::push_pull;

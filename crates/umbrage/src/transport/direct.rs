@@ -60,21 +60,37 @@ impl<'a> DirectLight<'a> {
 
     /// Irradiance of a patch, in W/m2.
     pub fn over(&self, mesh: &Mesh, patch: PatchId) -> Linear<Rgb> {
+        self.fit(mesh, patch, |receiver| self.at(receiver))
+    }
+
+    /// The best linear fit to a function of the points of a patch.
+    fn fit(&self, mesh: &Mesh, patch: PatchId, at: impl Fn(&ReceiverPoint) -> Rgb) -> Linear<Rgb> {
         let face = mesh.patch(patch).face;
         let frame = mesh.frame(face);
         let centre = frame.to_2d(mesh.patch(patch).centroid_m);
         Linear::fit(sample::points(&mesh.polygon_m(patch)).into_iter().map(|(point_m, weight)| {
             let receiver = ReceiverPoint::on_face(self.prepared, face, point_m);
-            (frame.to_2d(point_m) - centre, weight, self.at(&receiver))
+            (frame.to_2d(point_m) - centre, weight, at(&receiver))
         }))
     }
 
-    /// Irradiance of all leaves; zero for patches that are split.
+    /// Irradiance of all leaves, in W/m2; zero for patches that are split.
     pub fn over_leaves(&self, mesh: &Mesh) -> Table<PatchId, Linear<Rgb>> {
-        let of = |number: usize| {
-            let patch = PatchId::from(number);
-            if mesh.patch(patch).subpatches.is_some() { Linear::default() } else { self.over(mesh, patch) }
-        };
-        Table::from((0..mesh.patch_count()).into_par_iter().map(of).collect::<Vec<_>>())
+        fit_leaves(mesh, |leaf| self.over(mesh, leaf))
     }
+
+    /// The part of it that lamps without extent bring.
+    pub fn of_lamps_over_leaves(&self, mesh: &Mesh) -> Table<PatchId, Linear<Rgb>> {
+        let at = |receiver: &ReceiverPoint| self.lamps.at(self.visibility, receiver);
+        fit_leaves(mesh, |leaf| if self.lamps.is_empty() { Linear::default() } else { self.fit(mesh, leaf, at) })
+    }
+}
+
+/// A function of all leaves, in parallel; zero for patches that are split.
+fn fit_leaves(mesh: &Mesh, of: impl Fn(PatchId) -> Linear<Rgb> + Sync) -> Table<PatchId, Linear<Rgb>> {
+    let of = |number: usize| {
+        let patch = PatchId::from(number);
+        if mesh.patch(patch).subpatches.is_some() { Linear::default() } else { of(patch) }
+    };
+    Table::from((0..mesh.patch_count()).into_par_iter().map(of).collect::<Vec<_>>())
 }

@@ -24,6 +24,11 @@ impl Lamps {
         }
     }
 
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.lamps.is_empty()
+    }
+
     /// Irradiance at a point, in W/m2.
     pub(super) fn at(&self, visibility: &Visibility, receiver: &ReceiverPoint) -> Rgb {
         let from = |lamp: &Lamp| {

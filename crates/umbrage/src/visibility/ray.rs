@@ -1,4 +1,4 @@
-//! Rays: whether anything stands between two points.
+//! Rays: what stands between two points.
 //!
 //! Leaves are tested by exact predicates on the faces' own vertices, triangle by triangle of a fan, so that neighbours
 //! agree about their common edge.
@@ -12,11 +12,41 @@ use glam::DVec3;
 
 use super::Visibility;
 use crate::geometry::predicate::orient_3d;
-use crate::id::PlaneId;
+use crate::id::{FaceId, PlaneId};
 
 impl Visibility {
     /// Whether a face crosses the open segment between two points; faces in the planes `passing` are passed through.
     pub fn occluded(&self, from_m: DVec3, to_m: DVec3, passing: [PlaneId; 2]) -> bool {
+        let mut hit = false;
+        self.walk_along(from_m, to_m, |face| {
+            if passing.contains(&self.plane(face)) {
+                return ControlFlow::Continue(());
+            }
+            hit = self.is_crossed(face, from_m, to_m);
+            if hit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        hit
+    }
+
+    /// The faces that cross the open segment between two points, but for those in the plane `passing`.
+    pub fn crossed(&self, from_m: DVec3, to_m: DVec3, passing: PlaneId) -> Vec<FaceId> {
+        let mut crossed = Vec::new();
+        self.walk_along(from_m, to_m, |face| {
+            if self.plane(face) != passing && self.is_crossed(face, from_m, to_m) {
+                crossed.push(face);
+            }
+            ControlFlow::Continue(())
+        });
+        crossed
+    }
+
+    fn is_crossed(&self, face: FaceId, from_m: DVec3, to_m: DVec3) -> bool {
+        let boundary = self.boundary_m(face);
+        boundary[1..].windows(2).any(|pair| crosses(from_m, to_m, [boundary[0], pair[0], pair[1]]))
+    }
+
+    /// Visits the faces whose boxes the segment between two points meets.
+    fn walk_along(&self, from_m: DVec3, to_m: DVec3, visit: impl FnMut(FaceId) -> ControlFlow<()>) {
         // Finite, so that a box whose border the ray starts on, along an axis that it does not follow, is not lost as NaN.
         let per_m = (to_m - from_m).recip().clamp(DVec3::MIN, DVec3::MAX);
         let meets = |min_m: DVec3, max_m: DVec3| {
@@ -25,16 +55,7 @@ impl Visibility {
             let far = to_min.max(to_max).min_element().min(1.0);
             near <= far + SLAB_SLACK
         };
-        let mut hit = false;
-        self.walk(meets, |face| {
-            if passing.contains(&self.plane(face)) {
-                return ControlFlow::Continue(());
-            }
-            let boundary = self.boundary_m(face);
-            hit = boundary[1..].windows(2).any(|pair| crosses(from_m, to_m, [boundary[0], pair[0], pair[1]]));
-            if hit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        });
-        hit
+        self.walk(meets, visit);
     }
 }
 
