@@ -27,7 +27,7 @@ pub(super) type Part = SmallVec<[Vec<DVec3>; 1]>;
 
 /// A patch stands for its parts, and a slice for its points, where that changes irradiance by no more than this share of
 /// its mean: a point gathers over some hundred patches, whose errors partly cancel.
-const TRIFLE_OF_MEAN: f64 = 5e-4;
+const TRIFLE_OF_MEAN: f64 = 1e-4;
 /// And of a change of light, which is smaller.
 const TRIFLE_OF_CHANGE: f64 = 5e-5;
 /// A leaf is sliced into at most two to this power.
