@@ -6,6 +6,7 @@ use umbrage::bake::{BakeSettings, Report};
 use umbrage::mesh::SplitScore;
 use umbrage::prepare::PrepareSettings;
 use umbrage::shade::ShadeSettings;
+use umbrage::transport::OracleKind;
 use umbrage_formats::BakeFacts;
 
 /// How the mesh is refined.
@@ -25,6 +26,10 @@ pub struct MethodArgs {
     /// Never split patches smaller than this, in square metres [default: from the size of the scene and the tolerance]
     #[arg(long, value_name = "A", value_parser = positive)]
     min_area: Option<f64>,
+    /// What decides that: `brightness` weighs the share by how bright, reflecting, large and hidden the patches are; `form-factor`
+    /// is the share alone, as in the paper
+    #[arg(long, value_name = "ORACLE", default_value_t)]
+    oracle: OracleKind,
     /// What makes a good cut of a patch: `eq1` is Eq. (1) of the paper as printed, `well-shaped` also shuns slivers
     #[arg(long, value_name = "SCORE", default_value_t)]
     score: SplitScore,
@@ -52,6 +57,7 @@ impl MethodArgs {
         BakeSettings {
             max_form_factor: self.max_form_factor,
             min_area_m2: self.min_area.or(default.min_area_m2),
+            oracle: self.oracle,
             score: self.score,
             mend_bad_shapes: !self.keep_bad_shapes,
             prepare: PrepareSettings {
@@ -73,6 +79,7 @@ pub fn facts(settings: &BakeSettings, report: &Report, exposure: Option<f64>) ->
     // JSON has no infinity: null is no refinement.
     let tolerance = Some(settings.shade.tolerance).filter(|tolerance| tolerance.is_finite());
     extras.insert("tolerance".into(), tolerance.into());
+    extras.insert("oracle".into(), settings.oracle.to_string().into());
     extras.insert("score".into(), settings.score.to_string().into());
     extras.insert("mend_bad_shapes".into(), settings.mend_bad_shapes.into());
     extras.insert("discontinuities".into(), settings.discontinuities.into());
@@ -141,14 +148,15 @@ mod tests {
     fn options_become_settings() {
         let coarse = Command::parse_from(["bake", "--tolerance", "none", "--max-triangles", "900"]).method.settings();
         assert_eq!(coarse.shade, ShadeSettings { tolerance: f64::INFINITY, max_triangles: 900 });
-        let line = "bake --max-form-factor 0.5 --min-area 2 --score eq1 --no-discontinuities --keep-bad-shapes";
+        let line = "bake --max-form-factor 0.5 --min-area 2 --oracle form-factor --score eq1 --no-discontinuities --keep-bad-shapes";
         let settings = Command::parse_from(line.split(' ')).method.settings();
         assert_eq!(
-            (settings.max_form_factor, settings.min_area_m2, settings.score),
-            (Some(0.5), Some(2.0), SplitScore::Eq1)
+            (settings.max_form_factor, settings.min_area_m2, settings.oracle, settings.score),
+            (Some(0.5), Some(2.0), OracleKind::FormFactor, SplitScore::Eq1)
         );
         assert!(!settings.discontinuities && !settings.prepare.cut_contacts && !settings.mend_bad_shapes);
         let settings = Command::parse_from(["bake", "--no-intersect", "--flat-shading"]).method.settings();
+        assert_eq!(settings.oracle, OracleKind::default());
         assert!(settings.discontinuities && !settings.prepare.cut_contacts && !settings.prepare.smooth);
     }
 }

@@ -23,7 +23,11 @@ pub(crate) fn summary(report: &Report, fluxes: &Fluxes, written: &Written, elaps
     let [d0, d1, d2] = report.d_segments.map(grouped);
     line("polygons", grouped(report.prepare.polygons));
     line("faces", grouped(report.faces));
-    line("d-segments", format!("{d0} of degree 0, {d1} of degree 1, {d2} of degree 2"));
+    let reflected = match report.secondary {
+        0 => String::new(),
+        n => format!(", and {} of reflected light", grouped(n)),
+    };
+    line("d-segments", format!("{d0} of degree 0, {d1} of degree 1, {d2} of degree 2{reflected}"));
     line("patches", grouped(report.patches));
     let [median, low] = report.compactness;
     line("compactness", format!("{median:.2} median, {low:.2} at the 5th percentile (of a square: 0.79)"));

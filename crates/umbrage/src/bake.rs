@@ -7,6 +7,7 @@
 //!     for each pair of patches p,q with p != q                    transport::link_all
 //!         subdivide(p,q);
 //!                                                                 solve::solve
+//!     calculate d-segments of what reflects much                  discontinuity::find_secondary
 //!     split patches until all point split-hints and all edge      Mesh::remove_d0_hints
 //!       split-hints caused by d-segments of order 0 are removed
 //!     for all polygons p with more than three vertices            Mesh::triangulate
@@ -27,7 +28,7 @@ use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Scene, SceneError};
 use crate::shade::{self, BakedMesh, Irradiance, ShadeMeshes, ShadeSettings};
 use crate::solve::{self, EnergyAccount, SolveSettings, Surfaces};
-use crate::transport::{self, DirectLight, FormFactorOracle, Links};
+use crate::transport::{self, BrightnessOracle, DirectLight, FormFactorOracle, Links, OracleKind};
 use crate::visibility::Visibility;
 
 /// `Fmax` at the default tolerance.
@@ -47,6 +48,8 @@ pub struct BakeSettings {
     /// A patch smaller than this is not split for its form factor, in square metres; `None`: a share of the scene, as the
     /// tolerance asks.
     pub min_area_m2: Option<f64>,
+    /// What decides which pairs of patches are subdivided.
+    pub oracle: OracleKind,
     /// What `point_split` minimises.
     pub score: SplitScore,
     /// Whether badly shaped patches get point split-hints.
@@ -55,6 +58,8 @@ pub struct BakeSettings {
     pub prepare: PrepareSettings,
     /// Whether shadow boundaries are calculated and cut into the mesh.
     pub discontinuities: bool,
+    /// Whether those of what reflects much are, too.
+    pub secondary_sources: bool,
     /// When the iteration ends.
     pub solve: SolveSettings,
     /// How finely light is shown.
@@ -66,10 +71,12 @@ impl Default for BakeSettings {
         Self {
             max_form_factor: None,
             min_area_m2: None,
+            oracle: OracleKind::default(),
             score: SplitScore::default(),
             mend_bad_shapes: true,
             prepare: PrepareSettings::default(),
             discontinuities: true,
+            secondary_sources: true,
             solve: SolveSettings::default(),
             shade: ShadeSettings::default(),
         }
@@ -102,7 +109,7 @@ impl BakeSettings {
         MeshSettings { score: self.score, mend_bad_shapes: self.mend_bad_shapes }
     }
 
-    fn oracle(&self, prepared: &Prepared) -> FormFactorOracle {
+    fn form_factor_oracle(&self, prepared: &Prepared) -> FormFactorOracle {
         FormFactorOracle {
             max_form_factor: self.fmax(),
             min_area_m2: self
@@ -122,6 +129,8 @@ pub struct Report {
     pub faces: usize,
     /// d-segments of degree 0, 1 and 2.
     pub d_segments: [usize; 3],
+    /// d-segments of faces that reflect so much that they are sources, too.
+    pub secondary: usize,
     /// Patches that carry transport, split ones included.
     pub patches: usize,
     /// How well shaped the patches that carry transport and are not split are: 4 pi A / P^2, median and 5th percentile.
@@ -215,10 +224,20 @@ pub fn bake_and_keep(
     let energy = EnergyAccount::new(prepared, &visibility, mesh, &surfaces, &direct, &solution);
     clock.end_of(Stage::Solve);
 
+    let refined = settings.shade.tolerance.is_finite();
+    let secondary = if settings.discontinuities && settings.secondary_sources && refined {
+        let reflected = prepared.faces.keys().map(|face| solution.reflected[mesh.root(face)].mean).collect();
+        let least = settings.weak_share() * solution.mean_irradiance(mesh).element_sum() / 3.0;
+        discontinuity::find_secondary(scene, prepared, &visibility, &reflected, least, progress)?
+    } else {
+        Table::new()
+    };
+
     let light = Irradiance::new(prepared, &visibility, mesh, &solution.reflected, solution.mean_irradiance(mesh));
-    let mut meshes = if settings.shade.tolerance.is_finite() {
+    let mut meshes = if refined {
         let with = |segments| Mesh::new(prepared, segments, settings.mesh());
-        ShadeMeshes { shown: with(&discontinuities.segments), gathering: with(&Table::new()) }
+        let all = discontinuities.segments.iter().chain(&secondary).copied().collect();
+        ShadeMeshes { shown: with(&all), gathering: with(&secondary) }
     } else {
         ShadeMeshes { shown: mesh.clone(), gathering: mesh.clone() }
     };
@@ -231,6 +250,7 @@ pub fn bake_and_keep(
         prepare: prepared.report.clone(),
         faces: prepared.faces.len(),
         d_segments: discontinuities.count_by_degree(),
+        secondary: secondary.len(),
         patches: mesh.patch_count(),
         compactness: compactness_of(mesh),
         links: links.len(),
@@ -345,7 +365,15 @@ fn mesh_and_link(
     let (traced, visibility) = prepare_and_trace(scene, settings.prepare, least_share, clock, progress)?;
     let Traced { prepared, discontinuities } = traced;
     let mut mesh = Mesh::new(&prepared, &discontinuities.segments, settings.mesh());
-    let links = transport::link_all(&prepared, &visibility, &mut mesh, &settings.oracle(&prepared), progress)?;
+    let form_factor = settings.form_factor_oracle(&prepared);
+    let brightness = match settings.oracle {
+        OracleKind::FormFactor => None,
+        OracleKind::Brightness => BrightnessOracle::new(form_factor, scene, &prepared, &visibility, &mesh),
+    };
+    let links = match brightness {
+        Some(oracle) => transport::link_all(&prepared, &visibility, &mut mesh, &oracle, progress)?,
+        None => transport::link_all(&prepared, &visibility, &mut mesh, &form_factor, progress)?,
+    };
     clock.end_of(Stage::Transport);
     Ok((Meshed { prepared, discontinuities, mesh }, visibility, links))
 }

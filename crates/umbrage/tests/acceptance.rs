@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 use umbrage::bake::{Bake, BakeSettings, bake};
 use umbrage::progress::Progress;
 use umbrage::scene::{Scene, cornell};
+use umbrage::shade::ShadeSettings;
 
 fn scene(name: &str) -> Scene {
     let path = format!("{}/../../testdata/scenes/{name}.glb", env!("CARGO_MANIFEST_DIR"));
@@ -20,7 +21,17 @@ fn baked(scene: &Scene) -> Bake {
 
 /// Bakes a scene and holds its relative RMSE, its triangles and its dark points against bounds.
 fn holds(name: &str, scene: &Scene, most_error: f64, most_triangles: usize) {
-    let baked = baked(scene);
+    holds_bake(name, &baked(scene), most_error, most_triangles);
+}
+
+/// The same at `--tolerance 0.003`, whatever the triangles.
+fn holds_finely(name: &str, scene: &Scene, most_error: f64) {
+    let shade = ShadeSettings { tolerance: 0.003, ..ShadeSettings::default() };
+    let fine = bake(scene, &BakeSettings { shade, ..BakeSettings::default() }, Progress::silent()).unwrap();
+    holds_bake(name, &fine, most_error, usize::MAX);
+}
+
+fn holds_bake(name: &str, baked: &Bake, most_error: f64, most_triangles: usize) {
     let (error, leak) = common::error(&baked.mesh, &common::reference(name));
     assert!(error <= most_error, "relative RMSE {error}");
     assert!(leak < 1e-3, "a dark point shows {leak} of the mean");
@@ -44,6 +55,16 @@ fn a_square_occluders_penumbra_is_right_to_half_a_percent() {
 #[test]
 fn touching_boxes_are_right_to_1_percent_and_do_not_leak() {
     holds("touching", &scene("touching"), 0.01, 15_000);
+}
+
+#[test]
+fn a_fine_cornell_box_is_right_to_half_a_percent() {
+    holds_finely("cornell", &cornell::cornell_box(), 0.005);
+}
+
+#[test]
+fn finely_baked_touching_boxes_are_right_to_half_a_percent_and_do_not_leak() {
+    holds_finely("touching", &scene("touching"), 0.005);
 }
 
 #[test]

@@ -53,29 +53,46 @@ pub fn find(
     progress: Progress<'_>,
 ) -> Result<Discontinuities, Cancelled> {
     let features = Features::new(scene, prepared);
-    let around = Surroundings { prepared, visibility, features: &features, wedges: &AtomicUsize::new(0) };
-    let pairs = Pairs::new(prepared, &features);
-    let parts = pairs.count().div_ceil(PAIRS_A_PART);
-    let traced = AtomicUsize::new(0);
     let least = least_share * mean_irradiance(prepared, &features);
-    let with_strength = |segment: DSegment| {
-        let strength = around.jump(&segment, segment.ends_m[0].midpoint(segment.ends_m[1]));
-        DSegment { strength, ..segment }
-    };
+    let (mut segments, wedges) = traced(prepared, visibility, &features, least, progress)?;
+    let around = Surroundings { prepared, visibility, features: &features, wedges: &AtomicUsize::new(0) };
+    let contacts = contact::contacts(prepared, |face: FaceId| features.receives[face]);
+    segments.extend(contacts.into_iter().map(|segment| with_strength(&around, segment)));
+    segments.par_sort_by(|p, q| p.face.cmp(&q.face).then(p.event.cmp(&q.event)));
+    Ok(Discontinuities { emitters: features.emitters, segments: segments.into(), wedges })
+}
+
+/// The d-segments of all pairs of features that change irradiance by at least `least`, in W/m2, over the width of their face; and
+/// how many wedges were traced.
+pub(super) fn traced(
+    prepared: &Prepared,
+    visibility: &Visibility,
+    features: &Features,
+    least: f64,
+    progress: Progress<'_>,
+) -> Result<(Vec<DSegment>, usize), Cancelled> {
+    let around = Surroundings { prepared, visibility, features, wedges: &AtomicUsize::new(0) };
+    let pairs = Pairs::new(prepared, features);
+    let parts = pairs.count().div_ceil(PAIRS_A_PART);
+    let done = AtomicUsize::new(0);
     let found: Vec<Vec<DSegment>> = (0..parts)
         .into_par_iter()
         .map(|part| {
-            progress.report(Stage::Discontinuity, traced.fetch_add(1, Ordering::Relaxed), parts)?;
+            progress.report(Stage::Discontinuity, done.fetch_add(1, Ordering::Relaxed), parts)?;
             let numbers = part * PAIRS_A_PART..((part + 1) * PAIRS_A_PART).min(pairs.count());
-            let segments = numbers.flat_map(|number| pairs.trace(number, &around)).map(with_strength);
-            Ok(segments.filter(|segment| around.effect(segment) >= least).collect())
+            let segments = numbers.flat_map(|number| pairs.trace(number, &around));
+            Ok(segments
+                .map(|segment| with_strength(&around, segment))
+                .filter(|segment| around.effect(segment) >= least)
+                .collect())
         })
         .collect::<Result<_, Cancelled>>()?;
-    let contacts = contact::contacts(prepared, |face: FaceId| features.receives[face]).into_iter().map(with_strength);
-    let mut segments: Vec<DSegment> = found.into_iter().flatten().chain(contacts).collect();
-    segments.par_sort_by(|p, q| p.face.cmp(&q.face).then(p.event.cmp(&q.event)));
-    let wedges = around.wedges.load(Ordering::Relaxed);
-    Ok(Discontinuities { emitters: features.emitters, segments: segments.into(), wedges })
+    Ok((found.into_iter().flatten().collect(), around.wedges.load(Ordering::Relaxed)))
+}
+
+fn with_strength(around: &Surroundings<'_>, segment: DSegment) -> DSegment {
+    let strength = around.jump(&segment, segment.ends_m[0].midpoint(segment.ends_m[1]));
+    DSegment { strength, ..segment }
 }
 
 /// What emitters and lamps give to all faces together over their area, in W/m2: the mean of irradiance, if all light stays in the

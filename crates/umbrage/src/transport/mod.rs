@@ -1,5 +1,6 @@
 //! How light travels between patches: form factors, links, the oracle and `subdivide` (paper, sections 2 and 6).
 
+mod brightness;
 mod contour;
 mod direct;
 pub mod exact;
@@ -12,8 +13,9 @@ mod oracle;
 mod sample;
 mod subdivide;
 
+pub use brightness::BrightnessOracle;
 pub use direct::DirectLight;
 pub use fit::Linear;
 pub use link::{Link, LinkError, Links, Node};
-pub use oracle::{Decision, FormFactorOracle, Oracle};
+pub use oracle::{Decision, FormFactorOracle, Oracle, OracleKind, ParseOracleError};
 pub use subdivide::link_all;

@@ -5,6 +5,9 @@
 //! other's plane first: only that part of it takes part. Between patches that touch, discs see far too little of each
 //! other; so the exact factor from the middle of the smaller patch to the larger counts too.
 
+use std::fmt;
+use std::str::FromStr;
+
 use glam::DVec3;
 
 use super::Node;
@@ -29,6 +32,41 @@ pub trait Oracle {
     fn decide(&self, mesh: &Mesh, pair: [Node; 2]) -> Decision;
 }
 
+/// Which oracle decides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OracleKind {
+    /// The paper's: the form factor estimate alone ([`FormFactorOracle`]).
+    FormFactor,
+    /// The estimate, weighed by the light that a link carries ([`super::BrightnessOracle`]).
+    #[default]
+    Brightness,
+}
+
+impl fmt::Display for OracleKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::FormFactor => "form-factor",
+            Self::Brightness => "brightness",
+        })
+    }
+}
+
+/// The name is that of no oracle.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no oracle {0:?}: use brightness or form-factor")]
+pub struct ParseOracleError(String);
+
+impl FromStr for OracleKind {
+    type Err = ParseOracleError;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        [Self::FormFactor, Self::Brightness]
+            .into_iter()
+            .find(|kind| kind.to_string() == name)
+            .ok_or_else(|| ParseOracleError(name.to_owned()))
+    }
+}
+
 /// The paper's oracle: split the larger until the form factor estimate is at most `Fmax`, or the patch is too small.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FormFactorOracle {
@@ -42,12 +80,16 @@ pub struct FormFactorOracle {
 
 impl Oracle for FormFactorOracle {
     fn decide(&self, mesh: &Mesh, pair: [Node; 2]) -> Decision {
+        self.estimate(mesh, pair).map_or(Decision::Unseen, |estimate| self.decide_by(mesh, pair, estimate))
+    }
+}
+
+impl FormFactorOracle {
+    /// The greater of the form factors between two nodes, as it is estimated; `None` where they cannot see each other.
+    pub(super) fn estimate(&self, mesh: &Mesh, pair: [Node; 2]) -> Option<f64> {
         let planes = pair.map(|node| mesh.frame(mesh.patch(node).face).plane);
-        let parts = [
-            front_part(mesh, pair[0], &planes[1], self.coplanar_m),
-            front_part(mesh, pair[1], &planes[0], self.coplanar_m),
-        ];
-        let [Some(first), Some(second)] = parts else { return Decision::Unseen };
+        let first = front_part(mesh, pair[0], &planes[1], self.coplanar_m)?;
+        let second = front_part(mesh, pair[1], &planes[0], self.coplanar_m)?;
         let discs = [disc(&first, planes[0].normal), disc(&second, planes[1].normal)];
         let by_discs = disc_estimate(&discs[0], &discs[1]).max(disc_estimate(&discs[1], &discs[0]));
         let from_middle = if discs[0].area_m2 <= discs[1].area_m2 {
@@ -55,7 +97,11 @@ impl Oracle for FormFactorOracle {
         } else {
             point_to_polygon(discs[1].centre_m, discs[1].normal, &first)
         };
-        let estimate = by_discs.max(from_middle);
+        Some(by_discs.max(from_middle))
+    }
+
+    /// What to do with a pair whose form factor counts for so much: its larger node is split where it can be and must.
+    pub(super) fn decide_by(&self, mesh: &Mesh, pair: [Node; 2], estimate: f64) -> Decision {
         let areas_m2 = pair.map(|node| mesh.patch(node).area_m2);
         let larger = usize::from(areas_m2[1] > areas_m2[0]);
         if estimate > self.max_form_factor && areas_m2[larger] > self.min_area_m2 {

@@ -25,6 +25,11 @@ const TOLERANCE: f64 = 0.01;
 fn baked(scene: &Scene) -> Vec<Vec<Lit>> {
     let settings = BakeSettings::default();
     assert_eq!(settings.shade.tolerance, TOLERANCE);
+    baked_with(scene, settings)
+}
+
+/// A bake with other settings.
+fn baked_with(scene: &Scene, settings: BakeSettings) -> Vec<Vec<Lit>> {
     let BakedMesh { origin_m, parts } = bake(scene, &settings, Progress::silent()).unwrap().mesh;
     parts.into_iter().map(|part| lit_triangles(&BakedMesh { origin_m, parts: vec![part] })).collect()
 }

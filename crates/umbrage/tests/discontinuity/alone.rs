@@ -117,6 +117,29 @@ fn sees_light(world: &World, eye: DVec3, ray: DVec3, behind: f64) -> bool {
         .any(|piece| hit(piece, eye, ray, -MARGIN_M).is_some_and(|t| t > behind && is_open(world, eye, ray, t)))
 }
 
+/// Rays through two edges in one plane that are followed.
+const RAYS: u32 = 17;
+/// Edges whose directions have a smaller sine are parallel: corners are rounded to 2e-6 m.
+const PARALLEL_SINE: f64 = 1e-4;
+
+/// Whether the eye passes the plane of two parallel edges of occluders between two places, where light is seen past both.
+pub fn is_owed_to_two_edges_in_a_plane(world: &World, from: DVec3, to: DVec3) -> bool {
+    let dark: Vec<Edge> = edges(world).into_iter().filter(|edge| !edge.lit).collect();
+    let eye = from.midpoint(to);
+    let along = |edge: &Edge| (edge.ends[1] - edge.ends[0]).normalize_or_zero();
+    dark.iter().enumerate().any(|(i, one)| {
+        let parallel = |other: &&Edge| along(one).cross(along(other)).length() < PARALLEL_SINE && !one.meets(other);
+        dark[i + 1..].iter().filter(parallel).any(|other| {
+            let side = |eye: DVec3| one.plane(eye).dot(other.ends[0] - eye);
+            let ray = |k: u32| other.ends[0].lerp(other.ends[1], (f64::from(k) + 0.5) / f64::from(RAYS)) - eye;
+            side(from) * side(to) <= 0.0
+                && (0..RAYS)
+                    .map(ray)
+                    .any(|ray| one.passed_at(eye, ray).is_some_and(|at| sees_light(world, eye, ray, at.max(1.0))))
+        })
+    })
+}
+
 /// Whether an event of occluders alone, or of two occluders and a source edge, happens between two places of the eye.
 pub fn is_owed_to_occluders(world: &World, from: DVec3, to: DVec3) -> bool {
     let edges = edges(world);

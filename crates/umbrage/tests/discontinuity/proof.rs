@@ -17,6 +17,8 @@ use super::random::{self, Random, Stage};
 /// Scenes of every run, and lines on each of their two receivers.
 const SCENES: u64 = 30;
 const LINES: usize = 2;
+/// Pieces of buildings of every run.
+const BUILDINGS: u64 = 10;
 /// Between where a break is found and where the d-segment is, in metres: rounding of vertices, magnified.
 const PLACE_M: f64 = 3e-5;
 /// Jumps are compared by what they do over this distance, in metres: slope and curvature then have one unit.
@@ -52,12 +54,15 @@ struct Tally {
     explained: usize,
     owed: usize,
     missed: Vec<String>,
+    /// Breaks where the eye passes the plane of two parallel edges of occluders.
+    in_plane: usize,
     /// Breaks without d-segment across which nothing up to the curvature jumps above the noise: jumps of higher
     /// derivatives, where an emitter reaches through the receiver's plane, and rounding.
     faint: usize,
-    /// Effects of the two first, in W/m2.
+    /// Effects of the two first, and of those in a plane, in W/m2.
     explained_effect: f64,
     owed_effect: f64,
+    in_plane_effect: f64,
     /// Smooth places at which the test for events of occluders alone was asked, and its false alarms.
     asked: usize,
     alarms: usize,
@@ -129,8 +134,11 @@ impl Tally {
             let causes: Vec<&Crossing> = crossings.iter().filter(|crossing| near(at, crossing.at)).collect();
             let place = || format!("{name} at {}: jumps {jumps:?}, alone {alone}, {causes:?}", line.point(at.middle()));
             if causes.is_empty() {
-                if alone::is_owed_to_occluders(&stage.world, line.point(at.from - PLACE_M), line.point(at.to + PLACE_M))
-                {
+                let [from, to] = [line.point(at.from - PLACE_M), line.point(at.to + PLACE_M)];
+                if alone::is_owed_to_two_edges_in_a_plane(&stage.world, from, to) {
+                    self.in_plane += 1;
+                    self.in_plane_effect += effect;
+                } else if alone::is_owed_to_occluders(&stage.world, from, to) {
                     self.owed += 1;
                     self.owed_effect += effect;
                 } else if (0..3).all(|degree| jumps[degree].abs() < sure[degree].max(FAINT[degree])) {
@@ -201,6 +209,8 @@ impl Tally {
         self.faint += other.faint;
         self.explained_effect += other.explained_effect;
         self.owed_effect += other.owed_effect;
+        self.in_plane += other.in_plane;
+        self.in_plane_effect += other.in_plane_effect;
         self.asked += other.asked;
         self.alarms += other.alarms;
         self.shown += other.shown;
@@ -232,8 +242,13 @@ impl Tally {
             self.wrong.len(),
             share(self.measured, self.wrong.len())
         );
-        let of_all = 100.0 * self.owed_effect / (self.owed_effect + self.explained_effect);
-        println!("occluders alone have {of_all:.2} % of the strength");
+        let of_all = |effect: f64| 100.0 * effect / (self.owed_effect + self.in_plane_effect + self.explained_effect);
+        println!("occluders alone have {:.2} % of the strength", of_all(self.owed_effect));
+        println!(
+            "two parallel edges of occluders: {} breaks, {:.2} % of the strength",
+            self.in_plane,
+            of_all(self.in_plane_effect)
+        );
         println!("their test says so at {} of {} smooth places", self.alarms, self.asked);
         for (what, places) in [("missed", &self.missed), ("invented", &self.invented), ("wrong", &self.wrong)] {
             places.iter().take(12).for_each(|place| println!("{what}: {place}"));
@@ -267,13 +282,13 @@ fn number(name: &str, default: u64) -> u64 {
     std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
 }
 
-#[test]
-fn every_break_has_its_d_segment_and_every_d_segment_its_break() {
+/// Looks at random scenes of a kind.
+fn examined(scenes: u64, kind: impl Fn(&mut Random) -> Stage) -> Tally {
     let first = number("UMBRAGE_PROOF_FIRST", 0);
     let mut tally = Tally::default();
-    for seed in first..first + number("UMBRAGE_PROOF_SCENES", SCENES) {
+    for seed in first..first + number("UMBRAGE_PROOF_SCENES", scenes) {
         let mut random = Random(seed.wrapping_mul(0x5851_F42D_4C95_7F2D));
-        let stage = random::scene(&mut random);
+        let stage = kind(&mut random);
         let traced = trace(&stage.scene, PrepareSettings::default(), 0.0, Progress::silent()).unwrap();
         let mut of_scene = Tally::default();
         for on_wall in [false, true] {
@@ -285,6 +300,12 @@ fn every_break_has_its_d_segment_and_every_d_segment_its_break() {
         tally.add(of_scene);
     }
     tally.report();
+    tally
+}
+
+#[test]
+fn every_break_has_its_d_segment_and_every_d_segment_its_break() {
+    let tally = examined(SCENES, random::scene);
     let rare = |bad: &[String], all: usize| 1000 * bad.len() <= bad.len() + all;
     assert!(tally.explained > 0 && tally.shown > 0);
     assert!(rare(&tally.missed, tally.explained + tally.owed), "breaks without d-segments");
@@ -292,4 +313,11 @@ fn every_break_has_its_d_segment_and_every_d_segment_its_break() {
     assert!(rare(&tally.wrong, tally.measured), "wrong degrees or strengths");
     assert!(20.0 * tally.owed_effect < tally.owed_effect + tally.explained_effect, "occluders alone matter");
     assert!(20 * tally.alarms < tally.asked, "the test for occluders alone tells nothing");
+}
+
+#[test]
+fn in_buildings_two_edges_in_a_plane_matter_little() {
+    let tally = examined(BUILDINGS, random::building);
+    let all = tally.owed_effect + tally.in_plane_effect + tally.explained_effect;
+    assert!(tally.in_plane > 0 && 20.0 * tally.in_plane_effect < all, "{} of {all}", tally.in_plane_effect);
 }

@@ -179,3 +179,33 @@ pub fn scene(random: &mut Random) -> Stage {
     }
     stage
 }
+
+/// A piece of a building: a floor and a wall, a lamp of which half the time the edges are parallel to theirs, a shelf of boards, and a
+/// table. All edges of these are parallel to the axes.
+pub fn building(random: &mut Random) -> Stage {
+    let mut stage = Stage::default();
+    stage.add(&rectangle(2.0, 2.0), 0.0);
+    let wall = moved(&rectangle(2.0, 1.0), DQuat::from_rotation_x(TAU / 4.0), DVec3::new(0.0, 2.0, 1.0));
+    stage.add(&wall, 0.0);
+    let at = random.point(DVec3::new(-1.2, -1.5, 1.8), DVec3::new(1.2, 1.0, 2.8));
+    let angle = if random.below(2) == 0 { 0.0 } else { random.between(0.0, TAU) };
+    let turn = DQuat::from_rotation_x(TAU / 2.0) * DQuat::from_rotation_z(angle);
+    let lamp = rectangle(random.between(0.15, 0.5), random.between(0.15, 0.5));
+    stage.add(&moved(&lamp, turn, at), random.between(1.0, 4.0));
+    let mut put = |half: DVec3, at: DVec3| stage.add_all(&all_moved(&block(half), DQuat::IDENTITY, at), 0.0);
+    let shelf = random.point(DVec3::new(-1.2, 0.2, 0.2), DVec3::new(-0.2, 1.6, 0.4));
+    let board = random.point(DVec3::new(0.2, 0.1, 0.01), DVec3::new(0.6, 0.2, 0.02));
+    let step_m = random.between(0.2, 0.4);
+    for i in 0..3 {
+        put(board, shelf + f64::from(i) * step_m * DVec3::Z);
+    }
+    let table = random.point(DVec3::new(0.3, -1.2, 0.5), DVec3::new(1.2, 0.2, 0.8));
+    let top = random.point(DVec3::new(0.3, 0.25, 0.01), DVec3::new(0.6, 0.4, 0.02));
+    put(top, table);
+    let foot = DVec3::new(0.03, 0.03, 0.5 * (table.z - top.z) - 0.01);
+    for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+        let inset = top.truncate() - foot.truncate() - 0.01;
+        put(foot, DVec3::new(table.x + x * inset.x, table.y + y * inset.y, foot.z + 0.01));
+    }
+    stage
+}
