@@ -122,20 +122,14 @@ impl<'a> Irradiance<'a> {
     /// What a point sees a patch reflect, on average over all of it above the horizon, in W/m2.
     fn seen_by_rays(&self, receiver: &ReceiverPoint, patch: PatchId, rays: usize) -> Rgb {
         let ReflectingPatch { polygon, middle_m, .. } = &self.sources[patch];
-        let planes = [receiver.plane, polygon.plane];
-        let hidden = |at_m: DVec3| self.visibility.occluded(receiver.position_m, at_m, planes);
-        if rays == 1 && hidden(*middle_m) {
-            return Rgb::ZERO;
-        }
-        // What a patch reflects varies with the place, and its near parts count for more, however few rays there are.
         let (mut whole, mut seen) = (0.0, Rgb::ZERO);
-        for point in 0..RAYS {
-            let at_m = polygon.inner_point_m(*middle_m, point, RAYS);
+        for ray in 0..rays {
+            let at_m = if rays == 1 { *middle_m } else { polygon.inner_point_m(*middle_m, ray, rays) };
             let along = at_m - receiver.position_m;
             let cosines = receiver.normal.dot(along).max(0.0) * -polygon.oriented_plane.normal.dot(along);
             let exchange = cosines / along.length_squared().powi(2);
             whole += exchange;
-            if exchange > 0.0 && (rays == 1 || !hidden(at_m)) {
+            if exchange > 0.0 && !self.visibility.occluded(receiver.position_m, at_m, [receiver.plane, polygon.plane]) {
                 seen += exchange * self.reflected.at(patch, at_m);
             }
         }

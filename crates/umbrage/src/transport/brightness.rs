@@ -1,4 +1,4 @@
-//! The default oracle: the form factor estimate, weighed by how bright the source is, how much the receiver reflects, how
+//! An oracle beside the paper's: the form factor estimate, weighed by how bright the source is, how much the receiver reflects, how
 //! large the patches are, and whether anything stands between them.
 //!
 //! A bare threshold splits a black curtain as finely as a sunlit wall. What a link errs goes with what it carries: with what
