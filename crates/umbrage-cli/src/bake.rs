@@ -34,6 +34,14 @@ the file has none, --emit gives it, or a TOML beside the scene (for room.glb: ro
   reflectance = 0.5           # share of light, 0 to 1
   double_sided = true
 
+  [[lamps]]                   # a sun: where its light goes to, and W/m2 on what faces it
+  direction = [-1, -3, -2]
+  irradiance = [3, 2.9, 2.7]
+
+  [[lamps]]                   # a bulb: where it is, in metres with Y up, and W/sr; with a direction it is a spot
+  position = [0, 2.2, 0]
+  intensity = 8
+
 Units are metres and W/m2; a surface is lit on its front, unless its material is double-sided.";
 
 /// Bake a scene: write a GLB whose triangles follow the shadows and whose vertices carry the light

@@ -18,7 +18,9 @@ fn triangles(scene: &Scene) -> Vec<[(DVec3, DVec3); 3]> {
     let corner = |&i: &u32| (surface.positions_m[i as usize], surface.normals[i as usize]);
     let all = surface.polygons.iter().map(|polygon| {
         let mut corners: [_; 3] = polygon.iter().map(corner).collect::<Vec<_>>().try_into().unwrap();
-        let least = (0..3).min_by(|&i, &j| (corners[i].0.x + 9.0 * corners[i].0.z).total_cmp(&(corners[j].0.x + 9.0 * corners[j].0.z)));
+        let least = (0..3).min_by(|&i, &j| {
+            (corners[i].0.x + 9.0 * corners[i].0.z).total_cmp(&(corners[j].0.x + 9.0 * corners[j].0.z))
+        });
         corners.rotate_left(least.unwrap());
         corners
     });

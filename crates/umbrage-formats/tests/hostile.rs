@@ -348,7 +348,11 @@ fn compressed() -> Vec<Vec<u8>> {
     let folder = scene_path("../compressed");
     let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
-    files.iter().filter(|path| path.extension().is_some_and(|e| e == "glb")).map(|p| std::fs::read(p).unwrap()).collect()
+    files
+        .iter()
+        .filter(|path| path.extension().is_some_and(|e| e == "glb"))
+        .map(|p| std::fs::read(p).unwrap())
+        .collect()
 }
 
 proptest! {

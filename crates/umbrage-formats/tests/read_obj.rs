@@ -259,7 +259,8 @@ fn emission_and_opacity_have_images_too() {
     assert_eq!([lamp, leaf, net, dark, torn].map(mask), [false, true, true, false, false]);
     assert!(image_of(leaf).bytes.starts_with(b"\x89PNG"), "viewers take no TGA");
     assert!(dark.look.texture.is_none() && !dark.emits() && torn.look.texture.is_none());
-    let [Warning::TexturesIgnored { uses: 1, first }, Warning::AlphaIgnored { materials: 2 }] = warnings.as_slice() else {
+    let [Warning::TexturesIgnored { uses: 1, first }, Warning::AlphaIgnored { materials: 2 }] = warnings.as_slice()
+    else {
         panic!("{warnings:?}")
     };
     assert!(first.starts_with("none.png: cannot be read"), "{first}");

@@ -55,8 +55,8 @@ mod project;
 mod reencode;
 mod render;
 mod scale;
-mod tga;
 mod texture;
+mod tga;
 mod view;
 
 pub use camera::{Camera, CameraError};

@@ -93,7 +93,9 @@ pub(crate) fn decode(file: &[u8], head: &Head, most_texels: usize) -> Result<Cod
     }
     let texel = |bytes: &[u8]| match head.kind {
         Kind::Colour => Ok(colour(bytes, head.alpha_bits)),
-        Kind::Grey => Ok([bytes[0], bytes[0], bytes[0], bytes.get(1).filter(|_| head.alpha_bits > 0).map_or(255, |a| *a)]),
+        Kind::Grey => {
+            Ok([bytes[0], bytes[0], bytes[0], bytes.get(1).filter(|_| head.alpha_bits > 0).map_or(255, |a| *a)])
+        }
         Kind::Table => {
             let number = bytes.iter().rev().fold(0, |number, byte| number << 8 | usize::from(*byte));
             let entry = number.checked_sub(first).and_then(|n| table.chunks_exact(entry_bytes).nth(n));
@@ -110,7 +112,11 @@ pub(crate) fn decode(file: &[u8], head: &Head, most_texels: usize) -> Result<Cod
             let bytes = head.texel_bytes * if repeated { 1 } else { count };
             let texels = after.get(..bytes).ok_or_else(cut_off)?;
             for i in 0..count.min(width * height - codes.len()) {
-                codes.push(if repeated { texel(texels)? } else { texel(&texels[i * head.texel_bytes..][..head.texel_bytes])? });
+                codes.push(if repeated {
+                    texel(texels)?
+                } else {
+                    texel(&texels[i * head.texel_bytes..][..head.texel_bytes])?
+                });
             }
             rest = &after[bytes..];
         }

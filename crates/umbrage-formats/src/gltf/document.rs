@@ -167,13 +167,7 @@ impl Document {
         self.section(number, &buffer, holder, "compressed")
     }
 
-    fn section(
-        &self,
-        number: usize,
-        buffer: &Item<'_>,
-        holder: &Item<'_>,
-        user: &str,
-    ) -> Result<&[u8], FormatError> {
+    fn section(&self, number: usize, buffer: &Item<'_>, holder: &Item<'_>, user: &str) -> Result<&[u8], FormatError> {
         let all = self.buffers.bytes(number, buffer)?;
         let offset = holder.whole("byteOffset")?.unwrap_or(0);
         let length = holder.required_whole("byteLength")?;

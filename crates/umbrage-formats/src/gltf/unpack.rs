@@ -33,7 +33,11 @@ pub(super) fn unpack(document: &mut Document) -> Result<(), FormatError> {
         if let Some((bytes, stride)) = meshopt_view(document, view, &mut tally)? {
             let length = bytes.len();
             let buffer = document.add_buffer(bytes);
-            document.replace(List::BufferViews, view, json!({"buffer": buffer, "byteLength": length, "byteStride": stride}));
+            document.replace(
+                List::BufferViews,
+                view,
+                json!({"buffer": buffer, "byteLength": length, "byteStride": stride}),
+            );
         }
     }
     for mesh in 0..document.count(List::Meshes)? {
@@ -144,7 +148,8 @@ fn draco_primitive(
             _ => return Err(item.bad("type", "does not suit this use")),
         };
         let number = numbers.required_whole(name)?;
-        let values = u32::try_from(number).ok().and_then(|n| decoded.attribute(n, width, item.flag("normalized").ok()?));
+        let values =
+            u32::try_from(number).ok().and_then(|n| decoded.attribute(n, width, item.flag("normalized").ok()?));
         let values = values.ok_or_else(|| numbers.bad(name, format!("there is no attribute {number} in its data")))?;
         tally.unfold(values.len() * size_of::<f32>() / CORNER_BYTES, document, &item.place)?;
         let bytes = values.into_iter().flat_map(f32::to_le_bytes).collect();

@@ -222,9 +222,11 @@ impl Reader<'_> {
         let number = self.builder.position(surface, self.vertices[corner.vertex]);
         let normal = corner.normal.and_then(|normal| self.normals[normal].try_normalize());
         // Taken to places in the image once all surfaces are there.
-        let uv = self.materials.textures.is_on(material).then(|| {
-            coordinates.map_or(DVec2::ZERO, |coordinates| self.coordinates[coordinates])
-        });
+        let uv = self
+            .materials
+            .textures
+            .is_on(material)
+            .then(|| coordinates.map_or(DVec2::ZERO, |coordinates| self.coordinates[coordinates]));
         self.builder.corner(surface, normal.unwrap_or_default(), uv);
         self.placed.insert((surface, corner), number);
         number

@@ -136,7 +136,8 @@ impl Textures {
     ) -> Result<(ImageId, usize), String> {
         let named = |file: &str, why: String| format!("{}: {why}", crate::text::shortened(file));
         let path = |texture: Option<&MtlTexture>| {
-            let path = |t: &MtlTexture| beside::relative_path(below, &t.file).map_err(|why| named(&t.file, why.to_owned()));
+            let path =
+                |t: &MtlTexture| beside::relative_path(below, &t.file).map_err(|why| named(&t.file, why.to_owned()));
             texture.map(path).transpose()
         };
         let files = (path(colour)?, path(opacity)?);
