@@ -16,7 +16,7 @@ use umbrage::shade::ShadeSettings;
 use umbrage::solve::SolveSettings;
 
 /// Polygons of a soup at most: a bake should take milliseconds.
-const MOST_POLYGONS: usize = 8;
+const MOST_POLYGONS: usize = 5;
 /// How far a corner may be off its place on the grid, in metres.
 const OFF_M: [f64; 4] = [1e-9, 1e-6, 1e-4, 1e-2];
 
