@@ -34,6 +34,14 @@ the file has none, --emit gives it, or a TOML beside the scene (for room.glb: ro
   reflectance = 0.5           # share of light, 0 to 1
   double_sided = true
 
+  [[lamps]]                   # a sun: where its light goes to, and W/m2 on what faces it
+  direction = [-1, -3, -2]
+  irradiance = [3, 2.9, 2.7]
+
+  [[lamps]]                   # a bulb: where it is, in metres with Y up, and W/sr; with a direction it is a spot
+  position = [0, 2.2, 0]
+  intensity = 8
+
 Units are metres and W/m2; a surface is lit on its front, unless its material is double-sided.";
 
 /// Bake a scene: write a GLB whose triangles follow the shadows and whose vertices carry the light
@@ -67,6 +75,7 @@ pub(crate) struct BakeArgs {
 
 pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     interrupt::listen()?;
+    check_folder(&args.output)?;
     let begin = Instant::now();
     let mut scene = args.reading.read(&args.scene, args.max_reflectance)?;
     choose_nodes(&mut scene, &args.only, &args.skip)?;
@@ -76,6 +85,18 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     let written = write(&scene, &bake, &settings, args.exposure, &args.output)?;
     let summary = summary::summary(&bake.report, &Fluxes::new(&scene), &written, begin.elapsed());
     output.say(&format!("{summary}Wrote {} ({})", args.output.display(), summary::bytes(written.bytes)))
+}
+
+/// Fails where a file has no folder to be in: better now than after a long bake.
+fn check_folder(output: &Path) -> anyhow::Result<()> {
+    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    anyhow::ensure!(
+        folder.is_dir(),
+        "{}: cannot be written: there is no folder {}",
+        output.display(),
+        folder.display()
+    );
+    Ok(())
 }
 
 /// Bakes with progress on the terminal; Ctrl-C cancels.
@@ -99,4 +120,16 @@ pub(crate) fn write(
     interrupt::check()?;
     let facts = facts(settings, &bake.report, exposure);
     Ok(write_baked_glb(scene, &bake.mesh, &facts, path)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_that_is_not_there_is_told_before_the_bake() {
+        assert!(check_folder(Path::new("out.glb")).is_ok());
+        let message = check_folder(Path::new("no/such/folder/out.glb")).unwrap_err().to_string();
+        assert!(message.contains("no/such/folder/out.glb") && message.contains("there is no folder"), "{message}");
+    }
 }

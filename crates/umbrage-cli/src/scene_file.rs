@@ -25,7 +25,7 @@ pub struct SceneArgs {
     /// Let a material reflect this share of the light, 0 to 1, red, green and blue, or one number; may be repeated
     #[arg(long, value_name = "MATERIAL=R,G,B")]
     reflectance: Vec<MaterialColour>,
-    /// A TOML that says such things of materials [default: SCENE.umbrage.toml beside the scene, if there is one]
+    /// A TOML that says such things of materials, and may have lamps [default: SCENE.umbrage.toml beside the scene, if there is one]
     #[arg(long, value_name = "FILE")]
     materials: Option<PathBuf>,
     /// The unit of length of the file

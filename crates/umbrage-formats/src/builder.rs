@@ -107,6 +107,11 @@ impl SceneBuilder {
         self.scene.materials[material].reflectance = reflectance.min(cap);
     }
 
+    /// Says what a material emits, once it is known, in W/(m2 sr).
+    pub(crate) fn set_radiance(&mut self, material: MaterialId, radiance: Rgb) {
+        self.scene.materials[material].radiance = radiance;
+    }
+
     /// Adds an image.
     pub(crate) fn image(&mut self, image: Image) -> ImageId {
         self.scene.images.push_and_get_key(image)

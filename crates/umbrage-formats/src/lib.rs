@@ -2,7 +2,7 @@
 //!
 //! - [`read_scene`] reads a scene (glTF, OBJ, MGF, PLY, STL) and says in typed [`Warning`]s what it did not take over;
 //!   [`read_scene_and_files`] tells also what files it is made of;
-//! - [`Overrides`] say of a scene's materials what the file does not: which of them give light;
+//! - [`Overrides`] say what the file does not: which of its materials give light, and lamps;
 //! - [`choose_nodes`] says which of its nodes are baked, while the others only take part in the light;
 //! - [`write_baked_glb`] writes a baked mesh as one ordinary GLB, all or nothing;
 //! - [`read_baked`] reads a baked file back, for pictures and measurements.

@@ -1,4 +1,4 @@
-//! What the user says of materials beside what the file says: emission, reflectance, sides, by name.
+//! What the user says beside what the file says: emission, reflectance and sides of materials, by name, and lamps.
 //!
 //! Files from elsewhere seldom have lamps that give light. A TOML beside the scene, or options of a command, say it:
 //!
@@ -7,7 +7,17 @@
 //! emission = [12, 11, 9]      # radiance in W/(m2 sr); one number is for red, green and blue
 //! reflectance = 0.5           # share of light, 0 to 1
 //! double_sided = true
+//!
+//! [[lamps]]                   # a sun: where its light goes to, and W/m2 on what faces it
+//! direction = [-1, -3, -2]
+//! irradiance = [3, 2.9, 2.7]
+//!
+//! [[lamps]]                   # a bulb: where it is, in metres with Y up, and W/sr
+//! name = "bulb"
+//! position = [0, 2.2, 0]
+//! intensity = 8
 //! ```
+//! A bulb with a `direction` is a spot, of `outer_degrees` from its axis (45 if it does not say), soft from `inner_degrees` (0) on.
 //! A name that the scene has not is an error, which names the most similar one: a lamp that silently stays dark would be
 //! worse. All materials of a name change; what is said later wins.
 
@@ -16,7 +26,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use toml::{Table, Value};
-use umbrage::scene::{Rgb, Scene};
+use umbrage::scene::{Lamp, LampKind, Rgb, Scene};
 
 use crate::similar::{listed, most_similar};
 use crate::{FormatError, Warning};
@@ -79,10 +89,11 @@ enum Change {
     DoubleSided(bool),
 }
 
-/// Changes to materials, in the order in which they are made.
+/// Changes to materials, in the order in which they are made, and lamps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
     list: Vec<Override>,
+    lamps: Vec<Lamp>,
 }
 
 impl Overrides {
@@ -120,7 +131,19 @@ impl Overrides {
                         overrides.material(file, material, value)?;
                     }
                 }
-                _ => return Err(bad(file, key.clone(), unknown_key(key, &["materials"]))),
+                ("lamps", Value::Array(lamps)) => {
+                    for (number, lamp) in lamps.iter().enumerate() {
+                        overrides.lamps.push(read_lamp(file, number + 1, lamp)?);
+                    }
+                }
+                ("materials" | "lamps", _) => {
+                    return Err(bad(
+                        file,
+                        key.clone(),
+                        format!("should be [materials.NAME] or [[lamps]], not {key} = ..."),
+                    ));
+                }
+                _ => return Err(bad(file, key.clone(), unknown_key(key, &["materials", "lamps"]))),
             }
         }
         Ok(overrides)
@@ -176,14 +199,15 @@ impl Overrides {
     /// Adds all of `later`, which win.
     pub fn extend(&mut self, later: Self) {
         self.list.extend(later.list);
+        self.lamps.extend(later.lamps);
     }
 
     /// Whether nothing is changed.
     pub fn is_empty(&self) -> bool {
-        self.list.is_empty()
+        self.list.is_empty() && self.lamps.is_empty()
     }
 
-    /// Changes the materials of a scene; reflectances are capped at `max_reflectance` like those of the file, counted.
+    /// Changes the materials of a scene and adds the lamps; reflectances are capped at `max_reflectance` like those of the file, counted.
     ///
     /// # Errors
     /// [`FormatError::UnknownMaterial`]; the scene is then as it was.
@@ -207,9 +231,70 @@ impl Overrides {
                 }
             }
         }
+        scene.lamps.extend(self.lamps.iter().cloned());
         let warning = Warning::ReflectanceCapped { materials: capped, max_reflectance };
         Ok(if capped > 0 { vec![warning] } else { Vec::new() })
     }
+}
+
+/// Half the angle of a spot that does not say, in degrees: what glTF takes.
+const OUTER_DEGREES: f64 = 45.0;
+
+/// A lamp of the TOML; `number` counts from 1.
+fn read_lamp(file: &str, number: usize, value: &Value) -> Result<Lamp, FormatError> {
+    let place = format!("lamps, number {number}");
+    let refuse = |what: String| bad(file, place.clone(), what);
+    let Value::Table(table) = value else { return Err(refuse("is not a table".into())) };
+    let known = ["name", "position", "direction", "intensity", "irradiance", "inner_degrees", "outer_degrees"];
+    if let Some(key) = table.keys().find(|key| !known.contains(&key.as_str())) {
+        return Err(bad(file, format!("{place}, {key}"), unknown_key(key, &known)));
+    }
+    let vector = |key: &str| match table.get(key) {
+        None => Ok(None),
+        Some(value @ Value::Array(_)) => {
+            let vector = colour(value).filter(|vector| vector.is_finite());
+            vector.map(Some).ok_or_else(|| refuse(format!("{key} is not three finite numbers")))
+        }
+        Some(_) => Err(refuse(format!("{key} is not three finite numbers"))),
+    };
+    let light = |key: &str| match table.get(key) {
+        None => Ok(None),
+        Some(value) => {
+            let light =
+                colour(value).ok_or_else(|| refuse(format!("{key} is neither a number nor a list of three")))?;
+            check(light).map_err(|what| refuse(format!("{key} {what}")))?;
+            Ok(Some(light))
+        }
+    };
+    let degrees = |key: &str, default: f64| {
+        let degrees = table.get(key).map_or(Some(default), |value| colour(value).map(|x| x.x));
+        let fits = degrees.filter(|degrees| (0.0..=90.0).contains(degrees)).map(f64::to_radians);
+        fits.ok_or_else(|| refuse(format!("{key} is not between 0 and 90")))
+    };
+    let direction = vector("direction")?
+        .map(|direction| direction.try_normalize().ok_or_else(|| refuse("direction has no length".into())))
+        .transpose()?;
+    let kind = match (vector("position")?, direction, light("intensity")?, light("irradiance")?) {
+        (Some(position_m), None, Some(intensity), None) => LampKind::Point { position_m, intensity, range_m: None },
+        (Some(position_m), Some(direction), Some(intensity), None) => {
+            let (inner_rad, outer_rad) = (degrees("inner_degrees", 0.0)?, degrees("outer_degrees", OUTER_DEGREES)?);
+            if inner_rad > outer_rad {
+                return Err(refuse("inner_degrees is more than outer_degrees".into()));
+            }
+            LampKind::Spot { position_m, direction, intensity, range_m: None, inner_rad, outer_rad }
+        }
+        (None, Some(direction), None, Some(irradiance)) => LampKind::Directional { direction, irradiance },
+        _ => {
+            let what = "should have either a position and an intensity, or a direction and an irradiance";
+            return Err(refuse(what.into()));
+        }
+    };
+    let name = match table.get("name") {
+        None => format!("lamp {number}"),
+        Some(Value::String(name)) => name.clone(),
+        Some(_) => return Err(refuse("name is not a text".into())),
+    };
+    Ok(Lamp { name, kind })
 }
 
 fn bad(file: &str, place: String, what: String) -> FormatError {
@@ -285,6 +370,23 @@ mod tests {
     }
 
     #[test]
+    fn suns_bulbs_and_spots_are_added_to_the_lamps_of_the_file() {
+        let overrides = parse(
+            "[[lamps]]\ndirection = [0, -2, 0]\nirradiance = [3, 2, 1]\n[[lamps]]\nname = \"bulb\"\nposition = [1, 2, 3]\n\
+             intensity = 8\n[[lamps]]\nposition = [1, 2, 3]\ndirection = [1, 0, 0]\nintensity = 8\nouter_degrees = 30\n",
+        );
+        let mut scene = cornell_box();
+        overrides.unwrap().apply(&mut scene, 0.9).unwrap();
+        let [sun, bulb, spot] = scene.lamps.raw.as_slice() else { panic!("{:?}", scene.lamps) };
+        let expected = LampKind::Directional { direction: -Rgb::Y, irradiance: Rgb::new(3.0, 2.0, 1.0) };
+        assert_eq!((sun.name.as_str(), sun.kind), ("lamp 1", expected));
+        let (position_m, intensity, range_m) = (Rgb::new(1.0, 2.0, 3.0), Rgb::splat(8.0), None);
+        assert_eq!((bulb.name.as_str(), bulb.kind), ("bulb", LampKind::Point { position_m, intensity, range_m }));
+        let LampKind::Spot { inner_rad, outer_rad, direction, .. } = spot.kind else { panic!("{spot:?}") };
+        assert!(inner_rad == 0.0 && (outer_rad - std::f64::consts::FRAC_PI_6).abs() < 1e-12 && direction == Rgb::X);
+    }
+
+    #[test]
     fn a_name_that_is_not_there_is_told_with_those_that_are() {
         let mut overrides = Overrides::default();
         overrides.emit("Whit=1,1,1".parse().unwrap());
@@ -300,7 +402,15 @@ mod tests {
     fn bad_files_are_named_by_line_or_entry() {
         for (text, words) in [
             ("[materials.a]\nemission = \n", "line 2"),
-            ("[material.a]\n", "material: is not one of materials, perhaps materials is meant"),
+            ("[material.a]\n", "material: is not one of materials, lamps, perhaps materials is meant"),
+            ("lamps = 3\n", "[[lamps]]"),
+            ("[[lamps]]\n", "lamps, number 1: should have either"),
+            ("[[lamps]]\nposition = [0, 0]\nintensity = 1\n", "position is not three"),
+            ("[[lamps]]\nposition = [0, nan, 0]\nintensity = 1\n", "position is not three finite"),
+            ("[[lamps]]\ndirection = [0, 0, 0]\nirradiance = 1\n", "direction has no length"),
+            ("[[lamps]]\ndirection = [0, -1, 0]\nirradiance = -1\n", "not negative"),
+            ("[[lamps]]\nposition = [0, 0, 0]\nintensty = 1\n", "perhaps intensity is meant"),
+            ("[[lamps]]\nposition = [0, 0, 0]\ndirection = [0, -1, 0]\nintensity = 1\nouter_degrees = 91\n", "90"),
             ("[materials.a]\nemision = 1\n", "materials.a.emision: is not one of emission"),
             ("[materials.a]\nemission = [1, 2]\n", "neither a number nor a list of three"),
             ("[materials.a]\nemission = -1\n", "not negative"),

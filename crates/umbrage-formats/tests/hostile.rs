@@ -327,12 +327,68 @@ fn buffers_that_cannot_be_had_are_named() {
 }
 
 #[test]
-fn compressed_meshes_say_how_to_decompress() {
+fn broken_compressed_meshes_are_named() {
     let mut build = Build::triangle();
     build.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
-    build.json["meshes"][0]["primitives"][0]["extensions"] = json!({"KHR_draco_mesh_compression": {"bufferView": 0}});
+    build.json["meshes"][0]["primitives"][0]["extensions"] =
+        json!({"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}});
     let message = build.message();
-    assert!(message.contains("KHR_draco_mesh_compression") && message.contains("decompress"), "{message}");
+    assert!(message.contains("KHR_draco_mesh_compression") && message.contains("Draco data"), "{message}");
+    let mut build = Build::triangle();
+    build.json["buffers"].as_array_mut().unwrap().push(json!({"byteLength": 36}));
+    let stream = json!({"buffer": 0, "byteLength": 36, "byteStride": 12, "count": 3, "mode": "ATTRIBUTES"});
+    build.json["bufferViews"][0] =
+        json!({"buffer": 1, "byteLength": 36, "extensions": {"EXT_meshopt_compression": stream}});
+    let message = build.message();
+    assert!(message.contains("EXT_meshopt_compression") && message.contains("version"), "{message}");
+}
+
+/// The compressed sheets, which a compressor of others made.
+fn compressed() -> Vec<Vec<u8>> {
+    let folder = scene_path("../compressed");
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    files
+        .iter()
+        .filter(|path| path.extension().is_some_and(|e| e == "glb"))
+        .map(|p| std::fs::read(p).unwrap())
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn flipped_bytes_in_compressed_meshes_never_panic(
+        file in any::<prop::sample::Index>(),
+        flips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4),
+    ) {
+        let mut bytes = file.get(&compressed()).clone();
+        // The JSON is flipped elsewhere; here what is compressed is, which is the end of the file.
+        let json = 20 + u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+        for (at, value) in flips {
+            let at = json + at.index(bytes.len() - json);
+            bytes[at] = value;
+        }
+        if let Ok((scene, _)) = read(bytes) {
+            for surface in &scene.surfaces {
+                prop_assert!(surface.polygons.iter().flatten().all(|&i| (i as usize) < surface.positions_m.len()));
+                prop_assert!(surface.positions_m.iter().all(|p| p.is_finite()));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_compressed_stream_cannot_unfold_into_a_huge_scene() {
+    for count in [1_u64 << 34, u64::MAX / 16] {
+        let mut build = Build::triangle();
+        build.json["buffers"].as_array_mut().unwrap().push(json!({"byteLength": 36}));
+        let stream = json!({"buffer": 0, "byteLength": 36, "byteStride": 16, "count": count, "mode": "ATTRIBUTES"});
+        build.json["bufferViews"][0] =
+            json!({"buffer": 1, "byteLength": 36, "extensions": {"EXT_meshopt_compression": stream}});
+        assert!(matches!(build.read(), Err(FormatError::TooLarge { .. })));
+    }
 }
 
 #[test]

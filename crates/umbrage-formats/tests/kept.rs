@@ -163,6 +163,32 @@ fn a_textured_material_reflects_the_mean_of_what_its_primitives_show() {
 }
 
 #[test]
+fn a_webp_is_passed_on_as_a_png_and_a_ktx2_is_named() {
+    let mut build = Build::triangle();
+    let metallic = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
+    let material = textured(&mut build, &[[0; 4]], metallic);
+    let mut webp = Vec::new();
+    let red = [255, 0, 0].repeat(4);
+    image_webp::WebPEncoder::new(&mut webp).encode(&red, 2, 2, image_webp::ColorType::Rgb8).unwrap();
+    let view = build.view(&webp);
+    build.json["images"] = json!([{"bufferView": view, "mimeType": "image/webp"}]);
+    build.json["textures"] = json!([{"extensions": {"EXT_texture_webp": {"source": 0}}}]);
+    build.json["extensionsRequired"] = json!(["EXT_texture_webp"]);
+    build.json["meshes"][0]["primitives"] = json!([]);
+    let place = coordinates(&mut build, &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+    build.primitive(json!({"attributes": {"POSITION": 0, "TEXCOORD_0": place}, "material": material}));
+    let (scene, warnings) = build.read().unwrap();
+    let shown = &scene.materials[scene.surfaces.raw[0].material];
+    assert_eq!(shown.reflectance, Rgb::new(0.9, 0.0, 0.0));
+    assert!(scene.images[shown.look.texture.unwrap().image].bytes.starts_with(b"\x89PNG"));
+    assert!(matches!(warnings.as_slice(), [Warning::ReflectanceCapped { .. }]), "{warnings:?}");
+    build.json["textures"] = json!([{"extensions": {"KHR_texture_basisu": {"source": 0}}}]);
+    let (_, warnings) = build.read().unwrap();
+    let named = |w: &Warning| matches!(w, Warning::TexturesIgnored { first, .. } if first.contains("ktxdecompress"));
+    assert!(warnings.iter().any(named), "{warnings:?}");
+}
+
+#[test]
 fn an_emissive_texture_emits_its_mean_and_is_seen() {
     let mut build = tiled_room();
     let texels = [[255; 4], [0, 0, 0, 255]];

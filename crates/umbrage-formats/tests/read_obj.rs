@@ -87,7 +87,7 @@ fn materials_come_from_libraries_in_the_folder() {
     let [Warning::TexturesIgnored { uses: 1, first }, others @ ..] = warnings.as_slice() else {
         panic!("{warnings:?}")
     };
-    assert!(first.starts_with("wood.png: cannot be read"), "{first}");
+    assert!(first.starts_with("lib/wood.png: cannot be read"), "{first}");
     let capped = Warning::ReflectanceCapped { materials: 1, max_reflectance: 0.9 };
     assert_eq!(others, [Warning::AlphaIgnored { materials: 1 }, capped]);
     let two = format!("mtllib a.mtl b.mtl\n{SQUARE}usemtl b\nf 1 2 3\n");
@@ -214,4 +214,54 @@ fn textures_and_normals_belong_to_corners() {
     let (up, none) = (glam::DVec3::Z, glam::DVec3::ZERO);
     assert!(plain.uvs.is_empty() && plain.normals == [up, none, up, none], "{:?}", plain.normals);
     assert!(matches!(warnings.as_slice(), [Warning::ReflectanceCapped { materials: 1, .. }]), "{warnings:?}");
+}
+
+#[test]
+fn emission_and_opacity_have_images_too() {
+    let image = |color: png::ColorType, texels: &[u8]| {
+        let mut image = Vec::new();
+        let mut encoder = png::Encoder::new(&mut image, 2, 1);
+        encoder.set_color(color);
+        encoder.write_header().unwrap().write_image_data(texels).unwrap();
+        image
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+    write("half.png", &image(png::ColorType::Grayscale, &[255, 0]));
+    // A TGA of two greys, the first row being the upper one.
+    write("colour.tga", &[0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 1, 0, 8, 0x20, 255, 0]);
+    let paint = "newmtl lamp\nKd 0.2\nKe 4 8 12\nmap_Ke -s 0.5 1 half.png\nmap_Kd colour.tga\n\
+        newmtl leaf\nKd 0.5\nmap_Kd colour.tga\nmap_d half.png\nnewmtl net\nKd 0.3\nmap_d half.png\n\
+        newmtl dark\nKe 0\nmap_Ke half.png\nnewmtl torn\nKd 0.3\nmap_d none.png\n";
+    write("a.mtl", paint.as_bytes());
+    let square = "f 1/1 2/2 3/3 4/4\n";
+    let materials = ["lamp", "leaf", "net", "dark", "torn"].map(|name| format!("usemtl {name}\n{square}"));
+    let room = format!(
+        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n{}",
+        materials.concat()
+    );
+    write("room.obj", room.as_bytes());
+    let (scene, warnings) = read_scene(folder.path().join("room.obj")).unwrap();
+    let [lamp, leaf, net, dark, torn] = scene.materials.raw.as_slice() else { panic!("{:?}", scene.materials) };
+    let near = |found: Rgb, expected: Rgb| assert!((found - expected).abs().max_element() < 1e-9, "{found} {expected}");
+    // Halved by its scale, the image of the emission shows its white half alone; that of the colour shows both.
+    near(lamp.radiance, Rgb::new(4.0, 8.0, 12.0));
+    near(lamp.reflectance, Rgb::splat(0.1));
+    let image_of = |material: &umbrage::scene::Material| &scene.images[material.look.texture.unwrap().image];
+    assert_eq!(image_of(lamp).name.as_deref(), Some("half"));
+    assert_eq!(lamp.look.texture.unwrap().factor, Rgb::new(4.0, 8.0, 12.0));
+    assert_eq!(scene.surfaces.raw[0].uvs[1].to_array(), [0.5, 1.0]);
+    assert_eq!(scene.surfaces.raw[1].uvs[1].to_array(), [1.0, 1.0]);
+    // Of a leaf the white half alone is seen, which is what reflects; a net has no other colour than its own.
+    near(leaf.reflectance, Rgb::splat(0.5));
+    near(net.reflectance, Rgb::splat(0.3));
+    let mask = |material: &umbrage::scene::Material| matches!(material.look.alpha, umbrage::scene::Alpha::Mask { .. });
+    assert_eq!([lamp, leaf, net, dark, torn].map(mask), [false, true, true, false, false]);
+    assert!(image_of(leaf).bytes.starts_with(b"\x89PNG"), "viewers take no TGA");
+    assert!(dark.look.texture.is_none() && !dark.emits() && torn.look.texture.is_none());
+    let [Warning::TexturesIgnored { uses: 1, first }, Warning::AlphaIgnored { materials: 2 }] = warnings.as_slice()
+    else {
+        panic!("{warnings:?}")
+    };
+    assert!(first.starts_with("none.png: cannot be read"), "{first}");
 }

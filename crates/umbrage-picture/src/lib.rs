@@ -11,6 +11,8 @@
 //! |---|---|
 //! | `color` | exposure, tone curve, clipping, sRGB, false colours: the only place that leaves linear light |
 //! | `mesh`, `texture` | what is drawn |
+//! | `decode`, `tga` | images of all formats
+//! | `reencode` | images as viewers of glTF take them
 //! | `mean_color` | the mean colour of an image, or of a part of it |
 //! | `camera`, `view` | the camera, and the one where none is asked for |
 //! | `project` | clipping, projection, snapping to the grid |
@@ -42,6 +44,7 @@ mod band;
 mod camera;
 pub mod color;
 mod compare;
+mod decode;
 mod fill;
 mod glyph;
 mod line;
@@ -49,21 +52,25 @@ mod mean_color;
 mod mesh;
 mod picture;
 mod project;
+mod reencode;
 mod render;
 mod scale;
 mod texture;
+mod tga;
 mod view;
 
 pub use camera::{Camera, CameraError};
 pub use color::{LinearRgb, Tone};
 pub use compare::{Difference, beside, difference};
+pub use decode::TextureError;
 pub use line::{Line, LineColor, LineSet, SEGMENT_WIDTH_PX, WIRE_OPACITY, WIRE_WIDTH_PX, wireframe};
 pub use mean_color::{MeanColor, Seen};
 pub use mesh::{MeshError, PictureMesh, bounds_m};
 #[cfg(feature = "exr")]
 pub use picture::ExrError;
 pub use picture::{Picture, PngError};
+pub use reencode::{for_viewers, with_opacity};
 pub use render::{Look, MAX_SIZE_PX, RenderError, RenderSettings, render};
 pub use scale::{Scale, nice_ceiling};
-pub use texture::{Texel, Texture, TextureError, Wrap};
+pub use texture::{Texel, Texture, Wrap};
 pub use view::{default_camera, fit};

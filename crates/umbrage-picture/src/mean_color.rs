@@ -5,14 +5,15 @@
 //! points that are spread evenly over it.
 
 use crate::color::linear_from_srgb;
-use crate::texture::{TextureError, Wrap, decode, wrapped};
+use crate::decode::{TextureError, decode};
+use crate::texture::{Wrap, wrapped};
 
 /// Cells along the longer side of an image.
 const MOST_CELLS: usize = 64;
 /// A triangle is sampled at the square of so many points at most.
 const MOST_POINTS: f64 = 8.0;
 /// Images of more texels are refused: 8192 x 8192.
-const MOST_TEXELS: usize = 1 << 26;
+pub(crate) const MOST_TEXELS: usize = 1 << 26;
 
 /// Light times alpha, linear RGB, and alpha, summed or averaged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,10 +46,10 @@ pub struct MeanColor {
 }
 
 impl MeanColor {
-    /// Decodes a PNG or a JPEG and reduces it. `alpha` says whether its alpha counts.
+    /// Decodes an image and reduces it. `alpha` says whether its alpha counts.
     ///
     /// # Errors
-    /// [`TextureError`] where it is neither, broken or too large.
+    /// [`TextureError`] where it is of an unknown format, broken or too large.
     pub fn decode(file: &[u8], alpha: bool) -> Result<Self, TextureError> {
         let ([width, height], codes) = decode(file, MOST_TEXELS)?;
         let linear: Vec<f64> = (0..=255u8).map(|code| linear_from_srgb(f64::from(code) / 255.0)).collect();

@@ -1,4 +1,4 @@
-//! Base colour textures: decoding, mip levels, and the colour at a point.
+//! Base colour textures: mip levels, and the colour at a point.
 //!
 //! Idea: texels become linear light once, when the file is decoded; each level of the pyramid is the mean of four texels
 //! of the level below, so that it has the same mean light; a sample reads two levels, four texels each (trilinear), and
@@ -8,16 +8,8 @@
 //! Holds: colours lie within 0..1; a texture of one colour has that colour everywhere; memory is 4/3 of the texels'.
 //! Alpha is averaged like a colour, as graphics processors do it; what it means is the caller's to say.
 
-use std::io::Cursor;
-
-use zune_jpeg::JpegDecoder;
-use zune_jpeg::zune_core::colorspace::ColorSpace;
-use zune_jpeg::zune_core::options::DecoderOptions;
-
 use crate::color::linear_from_srgb;
-
-/// Largest width and height of a texture, in texels: what graphics processors take.
-const MAX_SIZE_TEXELS: usize = 16384;
+use crate::decode::{MAX_SIZE_TEXELS, TextureError, decode};
 
 /// What a texture does beyond its border.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,36 +41,11 @@ struct Level {
 /// Linear RGB and alpha.
 pub type Texel = [f32; 4];
 
-/// An image that cannot be a texture.
-#[derive(Debug, thiserror::Error)]
-pub enum TextureError {
-    /// It begins like neither format.
-    #[error("it is neither a PNG nor a JPEG: convert it to one of them")]
-    UnknownFormat,
-    /// It is a broken PNG.
-    #[error("its PNG is broken: save it again")]
-    Png(#[from] png::DecodingError),
-    /// It is a broken JPEG, or one of a rare kind.
-    #[error("its JPEG cannot be decoded ({0}): save it again as a baseline or progressive JPEG")]
-    Jpeg(String),
-    /// It is empty or too large.
-    #[error(
-        "it has {width} x {height} texels: each side must be between 1 and {MAX_SIZE_TEXELS}, and to be baked there must be at \
-         most 2^26 in all"
-    )]
-    BadSize {
-        /// Width in texels.
-        width: usize,
-        /// Height in texels.
-        height: usize,
-    },
-}
-
 impl Texture {
-    /// Decodes a PNG or a JPEG.
+    /// Decodes a PNG, a JPEG, a WebP or a TGA.
     ///
     /// # Errors
-    /// [`TextureError`] where it is neither, broken or too large.
+    /// [`TextureError`] where it is of an unknown format, broken or too large.
     pub fn decode(file: &[u8], wrap: [Wrap; 2]) -> Result<Self, TextureError> {
         let (size, codes) = decode(file, MAX_SIZE_TEXELS * MAX_SIZE_TEXELS)?;
         let linear: Vec<f32> = (0..=255u8).map(|code| linear_from_srgb(f64::from(code) / 255.0) as f32).collect();
@@ -127,15 +94,6 @@ impl Level {
             let (top, bottom) = (a[i] + sx * (b[i] - a[i]), c[i] + sx * (d[i] - c[i]));
             top + sy * (bottom - top)
         })
-    }
-}
-
-/// Decodes a PNG or a JPEG of so many texels at most: the others take no memory.
-pub(crate) fn decode(file: &[u8], most_texels: usize) -> Result<Codes, TextureError> {
-    match file {
-        [0x89, b'P', b'N', b'G', ..] => decode_png(file, most_texels),
-        [0xff, 0xd8, 0xff, ..] => decode_jpeg(file, most_texels),
-        _ => Err(TextureError::UnknownFormat),
     }
 }
 
@@ -193,52 +151,6 @@ fn mean(below: &Level, size: [usize; 2], at: [usize; 2]) -> Texel {
     sum.map(|s| s / count)
 }
 
-/// Size, and sRGB codes with alpha.
-pub(crate) type Codes = ([usize; 2], Vec<[u8; 4]>);
-
-fn checked(width: usize, height: usize, most_texels: usize) -> Result<[usize; 2], TextureError> {
-    let fits = |side: usize| (1..=MAX_SIZE_TEXELS).contains(&side);
-    if fits(width) && fits(height) && width * height <= most_texels {
-        Ok([width, height])
-    } else {
-        Err(TextureError::BadSize { width, height })
-    }
-}
-
-fn decode_png(file: &[u8], most_texels: usize) -> Result<Codes, TextureError> {
-    let mut decoder = png::Decoder::new(Cursor::new(file));
-    decoder.set_transformations(png::Transformations::normalize_to_color8());
-    let mut reader = decoder.read_info()?;
-    let size = checked(reader.info().width as usize, reader.info().height as usize, most_texels)?;
-    let too_large = || TextureError::BadSize { width: size[0], height: size[1] };
-    let mut bytes = vec![0; reader.output_buffer_size().ok_or_else(too_large)?];
-    let frame = reader.next_frame(&mut bytes)?;
-    let channels = frame.color_type.samples();
-    let codes = bytes[..frame.buffer_size()].chunks_exact(channels).map(|texel| match *texel {
-        [r, g, b, a] => [r, g, b, a],
-        [r, g, b] => [r, g, b, u8::MAX],
-        [grey, a] => [grey, grey, grey, a],
-        [grey, ..] => [grey, grey, grey, u8::MAX],
-        [] => [0; 4],
-    });
-    Ok((size, codes.collect()))
-}
-
-fn decode_jpeg(file: &[u8], most_texels: usize) -> Result<Codes, TextureError> {
-    let options = DecoderOptions::default()
-        .jpeg_set_out_colorspace(ColorSpace::RGB)
-        .set_max_width(MAX_SIZE_TEXELS)
-        .set_max_height(MAX_SIZE_TEXELS);
-    let mut decoder = JpegDecoder::new_with_options(Cursor::new(file), options);
-    let broken = |what: &str| TextureError::Jpeg(what.to_owned());
-    decoder.decode_headers().map_err(|error| TextureError::Jpeg(error.to_string()))?;
-    let (width, height) = decoder.dimensions().ok_or_else(|| broken("it has no size"))?;
-    let size = checked(width, height, most_texels)?;
-    let bytes = decoder.decode().map_err(|error| TextureError::Jpeg(error.to_string()))?;
-    let codes: Vec<[u8; 4]> = bytes.chunks_exact(3).map(|texel| [texel[0], texel[1], texel[2], u8::MAX]).collect();
-    if codes.len() == width * height { Ok((size, codes)) } else { Err(broken("it is cut off")) }
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
@@ -292,39 +204,5 @@ pub(crate) mod tests {
             }
         }
         assert_eq!(two(Wrap::Repeat).sample([0.1, 0.1], [[1.0, 0.0], [0.0; 2]]), [0.5, 0.5, 0.5, 1.0]);
-    }
-
-    #[test]
-    fn a_jpeg_is_decoded() {
-        // A grey square of 8 x 8, baseline, code 128 throughout: all coefficients are 0.
-        let texture = Texture::decode(&grey_jpeg(), [Wrap::Repeat; 2]).unwrap();
-        assert_eq!(texture.levels[0].size, [8, 8]);
-        assert_eq!(texture.sample([0.5, 0.5], NEAR)[..3], linear_from_srgb8([128; 3]));
-    }
-
-    /// The smallest JPEG by hand: one component, tables of one code each.
-    fn grey_jpeg() -> Vec<u8> {
-        let mut file = vec![0xff, 0xd8, 0xff, 0xdb, 0, 67, 0];
-        file.extend([1; 64]);
-        file.extend([0xff, 0xc0, 0, 11, 8, 0, 8, 0, 8, 1, 1, 0x11, 0]);
-        for class in [0x00, 0x10] {
-            // One code of one bit, for the symbol 0.
-            file.extend([0xff, 0xc4, 0, 20, class, 1]);
-            file.extend([0; 15]);
-            file.push(0);
-        }
-        // Two bits of 0: no difference, end of block; the rest is padding.
-        file.extend([0xff, 0xda, 0, 8, 1, 1, 0, 0, 63, 0, 0x3f, 0xff, 0xd9]);
-        file
-    }
-
-    #[test]
-    fn what_is_no_image_is_refused() {
-        let decode = |bytes: &[u8]| Texture::decode(bytes, [Wrap::Repeat; 2]);
-        assert!(matches!(decode(b"GIF89a"), Err(TextureError::UnknownFormat)));
-        assert!(matches!(decode(b"\x89PNG but not really"), Err(TextureError::Png(_))));
-        assert!(matches!(decode(&[0xff, 0xd8, 0xff, 0xe0, 0]), Err(TextureError::Jpeg(_))));
-        let whole = png_of(4, 4, png::ColorType::Rgb, &[9; 48]);
-        assert!(decode(&whole[..whole.len() / 2]).is_err());
     }
 }

@@ -206,11 +206,6 @@ impl<'a> Accessor<'a> {
         self.sparse.as_ref().map_or(0, |sparse| sparse.count)
     }
 
-    /// Whether there are data for it at all; without, all elements are zero.
-    pub(super) fn has_data(&self) -> bool {
-        self.base.is_some() || self.sparse.is_some()
-    }
-
     /// Element `index`, which must be below `count`; components that it lacks are `fill`.
     pub(super) fn element<const N: usize>(&self, index: usize, fill: f64) -> [f64; N] {
         assert!(index < self.count, "element {index} of {}, which has {}", self.place, self.count);

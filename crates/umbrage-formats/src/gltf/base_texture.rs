@@ -11,8 +11,12 @@ use umbrage::scene::Wrap;
 
 use crate::{BakedTexture, FormatError};
 
-/// Extensions that hold an image in another format, for a texture that has no plain source.
-const OTHER_FORMATS: [&str; 4] = ["KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"];
+/// Extensions that hold an image in a format that is not read, for a texture that has no other source, and what to do.
+const OTHER_FORMATS: [(&str, &str); 3] = [
+    ("KHR_texture_basisu", "unpack its images (`gltf-transform ktxdecompress` does)"),
+    ("EXT_texture_avif", "convert its images to PNG, JPEG or WebP"),
+    ("MSFT_texture_dds", "convert its images to PNG, JPEG or WebP"),
+];
 
 /// A texture, and how its coordinates are found.
 #[derive(Debug)]
@@ -39,7 +43,9 @@ impl BaseTexture {
     pub(super) fn in_slot(document: &Document, holder: &Item<'_>, slot: &str) -> Result<Option<Self>, FormatError> {
         let Some(info) = holder.child(slot)? else { return Ok(None) };
         let texture = document.item(List::Textures, info.required_whole("index")?, &info.place)?;
-        let Some(image) = texture.whole("source")? else { return without_source(&texture) };
+        let webp = texture.extension("EXT_texture_webp")?;
+        let webp = webp.map(|webp| webp.whole("source")).transpose()?.flatten();
+        let Some(image) = texture.whole("source")?.or(webp) else { return without_source(&texture) };
         document.item(List::Images, image, &texture.place)?;
         let (wrap, filters) = match texture.whole("sampler")? {
             Some(sampler) => {
@@ -73,13 +79,13 @@ impl BaseTexture {
 }
 
 fn without_source(texture: &Item<'_>) -> Result<Option<BaseTexture>, FormatError> {
-    for name in OTHER_FORMATS {
+    for (name, cure) in OTHER_FORMATS {
         if texture.extension(name)?.is_some() {
             return Err(FormatError::UnsupportedExtension {
                 file: texture.file.to_owned(),
                 place: texture.place.clone(),
                 extension: name.to_owned(),
-                cure: "convert its images to PNG or JPEG",
+                cure,
             });
         }
     }

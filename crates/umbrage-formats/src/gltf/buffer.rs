@@ -32,6 +32,8 @@ enum Source {
     Chunk,
     /// In the place that the URI of this number names.
     Uri(usize),
+    /// Made while reading, with this number.
+    Made(usize),
     /// Nowhere.
     None,
 }
@@ -49,6 +51,8 @@ pub(super) struct Buffers {
     loaded: Vec<OnceCell<Vec<u8>>>,
     /// Bytes of all of them so far.
     loaded_bytes: Cell<u64>,
+    /// What was made while reading.
+    made: Vec<Vec<u8>>,
 }
 
 impl Buffers {
@@ -72,7 +76,14 @@ impl Buffers {
             });
         }
         let loaded = numbers.iter().map(|_| OnceCell::new()).collect();
-        Ok(Self { folder, glb, chunk, sources, loaded, loaded_bytes: Cell::new(0) })
+        Ok(Self { folder, glb, chunk, sources, loaded, loaded_bytes: Cell::new(0), made: Vec::new() })
+    }
+
+    /// Adds a buffer of bytes that were made while reading; its number.
+    pub(super) fn add(&mut self, bytes: Vec<u8>) -> usize {
+        self.sources.push(Source::Made(self.made.len()));
+        self.made.push(bytes);
+        self.sources.len() - 1
     }
 
     /// Bytes of all URIs that have been loaded.
@@ -91,6 +102,7 @@ impl Buffers {
         let all = match self.sources.get(number) {
             Some(Source::Chunk) => self.chunk.clone().map_or(&[][..], |range| &self.glb[range]),
             Some(&Source::Uri(uri)) => self.uri_bytes(uri, buffer)?,
+            Some(&Source::Made(number)) => &self.made[number],
             _ => {
                 return Err(bad(
                     buffer,

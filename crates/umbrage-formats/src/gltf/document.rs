@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::buffer::Buffers;
 use super::container;
 use super::item::Item;
+use super::unpack;
 use crate::FormatError;
 use crate::beside::Folder;
 
@@ -72,7 +73,55 @@ impl Document {
         let file_bytes = bytes.len() as u64;
         let glb = if chunk.is_some() { bytes } else { Vec::new() };
         let buffers = Buffers::list(&Item::new(&file, "the document".into(), &json)?, folder, glb, chunk)?;
-        Ok(Self { file_bytes, json, buffers, file })
+        let mut document = Self { file_bytes, json, buffers, file };
+        unpack::unpack(&mut document)?;
+        Ok(document)
+    }
+
+    /// Whether a buffer has bytes; a fallback of a compression extension has none.
+    pub(super) fn has_bytes(&self, buffer: usize) -> bool {
+        self.buffers.has_bytes(buffer)
+    }
+
+    /// Adds a buffer; its number.
+    pub(super) fn add_buffer(&mut self, bytes: Vec<u8>) -> usize {
+        self.add(List::Buffers, json!({"byteLength": bytes.len()}));
+        self.buffers.add(bytes)
+    }
+
+    /// Adds a bufferView; its number.
+    pub(super) fn add_view(&mut self, view: Value) -> usize {
+        self.add(List::BufferViews, view)
+    }
+
+    /// Puts another object in the place of one.
+    pub(super) fn replace(&mut self, list: List, index: usize, value: Value) {
+        if let Some(old) = self.json.get_mut(list.key_and_noun().0).and_then(|all| all.get_mut(index)) {
+            *old = value;
+        }
+    }
+
+    /// Leads an accessor to a bufferView of its own, and changes properties of it.
+    pub(super) fn change_accessor(&mut self, index: usize, view: usize, changes: Value) {
+        let accessor = self.json.get_mut("accessors").and_then(|all| all.get_mut(index)).and_then(Value::as_object_mut);
+        if let (Some(accessor), Value::Object(changes)) = (accessor, changes) {
+            accessor.remove("byteOffset");
+            accessor.insert("bufferView".into(), json!(view));
+            accessor.extend(changes);
+        }
+    }
+
+    fn add(&mut self, list: List, value: Value) -> usize {
+        match self.json.get_mut(list.key_and_noun().0).and_then(Value::as_array_mut) {
+            Some(all) => {
+                all.push(value);
+                all.len() - 1
+            }
+            None => {
+                self.json[list.key_and_noun().0] = json!([value]);
+                0
+            }
+        }
     }
 
     /// Bytes of the file and of all buffers loaded so far: what memory may be proportional to.
@@ -108,23 +157,26 @@ impl Document {
         let view = self.item(List::BufferViews, index, user)?;
         let number = view.required_whole("buffer")?;
         let buffer = self.item(List::Buffers, number, &view.place)?;
-        if !self.buffers.has_bytes(number) {
-            for name in ["EXT_meshopt_compression", "KHR_meshopt_compression"] {
-                if view.extension(name)?.is_some() {
-                    return Err(compressed(&view, name));
-                }
-            }
-        }
-        let all = self.buffers.bytes(number, &buffer)?;
-        let offset = view.whole("byteOffset")?.unwrap_or(0);
-        let length = view.required_whole("byteLength")?;
-        let bytes = slice(all, offset, length).map_err(|end| FormatError::BeyondEnd {
+        Ok((self.section(number, &buffer, &view, user)?, view.whole("byteStride")?))
+    }
+
+    /// The bytes that an object with `buffer`, `byteOffset` and `byteLength` means.
+    pub(super) fn bytes_of(&self, holder: &Item<'_>) -> Result<&[u8], FormatError> {
+        let number = holder.required_whole("buffer")?;
+        let buffer = self.item(List::Buffers, number, &holder.place)?;
+        self.section(number, &buffer, holder, "compressed")
+    }
+
+    fn section(&self, number: usize, buffer: &Item<'_>, holder: &Item<'_>, user: &str) -> Result<&[u8], FormatError> {
+        let all = self.buffers.bytes(number, buffer)?;
+        let offset = holder.whole("byteOffset")?.unwrap_or(0);
+        let length = holder.required_whole("byteLength")?;
+        slice(all, offset, length).map_err(|end| FormatError::BeyondEnd {
             file: self.file.clone(),
-            place: format!("{} ({user})", view.place),
+            place: format!("{} ({user})", holder.place),
             end,
             length: all.len() as u64,
-        })?;
-        Ok((bytes, view.whole("byteStride")?))
+        })
     }
 
     /// The bytes of an image's file: embedded, or beside the glTF.
@@ -135,16 +187,6 @@ impl Document {
             (None, Some(uri)) => self.buffers.load(uri, &image),
             (None, None) => Err(image.bad("uri", "is missing, and so is bufferView")),
         }
-    }
-}
-
-/// Geometry that is compressed and has no plain copy.
-pub(super) fn compressed(item: &Item<'_>, extension: &str) -> FormatError {
-    FormatError::UnsupportedExtension {
-        file: item.file.to_owned(),
-        place: item.place.clone(),
-        extension: extension.to_owned(),
-        cure: "export without compression, or decompress it (`gltf-transform copy` does)",
     }
 }
 
@@ -193,14 +235,6 @@ mod tests {
         let document = parse(r#"{"asset":{"version":"2.0"},"meshes":[{}]}"#).unwrap();
         let message = document.item(List::Meshes, 4, "node 2").unwrap_err().to_string();
         assert!(message.contains("node 2, mesh: refers to number 4, but there are only 1"), "{message}");
-    }
-
-    #[test]
-    fn compression_without_a_plain_copy_is_named() {
-        let json = r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":8}],"bufferViews":[{"buffer":0,
-            "byteLength":8,"extensions":{"EXT_meshopt_compression":{}}}]}"#;
-        let error = parse(json).unwrap().view(0, "accessor 0").unwrap_err();
-        assert!(matches!(error, FormatError::UnsupportedExtension { .. }), "{error}");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! glTF 2.0: scenes in, baked GLB out and in again.
 //!
 //! ```text
-//! container, item -> buffer -> document -> accessor, tally -> base_texture -> material, node, primitive -> texture -> read
+//! container, item -> buffer -> document -> tally; meshopt, draco -> unpack -> accessor -> base_texture -> material, node, primitive -> texture -> read
 //!                                                                          camera, node, primitive -> read_baked
 //! container, write_buffer, exposure -> write_material, write_camera, see_through -> write
 //! ```
@@ -12,10 +12,12 @@ mod buffer;
 mod camera;
 mod container;
 mod document;
+mod draco;
 mod exposure;
 mod item;
 mod lamp;
 mod material;
+mod meshopt;
 mod node;
 mod primitive;
 mod read;
@@ -23,6 +25,7 @@ mod read_baked;
 mod see_through;
 mod tally;
 mod texture;
+mod unpack;
 mod write;
 mod write_buffer;
 mod write_camera;

@@ -8,7 +8,7 @@ use umbrage::scene::Rgb;
 
 use super::accessor::{Accessor, Component};
 use super::base_texture::BaseTexture;
-use super::document::{Document, compressed};
+use super::document::Document;
 use super::item::Item;
 use super::node;
 use super::tally::{PRIMITIVE_COST, Tally};
@@ -57,9 +57,6 @@ pub(super) fn polygons(
         return Ok(None);
     };
     let positions = Accessor::open(document, position, &format!("{place}, POSITION"), &[3], &POSITIONS)?;
-    if !positions.has_data() && primitive.extension("KHR_draco_mesh_compression")?.is_some() {
-        return Err(compressed(primitive, "KHR_draco_mesh_compression"));
-    }
     tally.unfold(positions.sparse_count(), document, place)?;
     let mirrored = world.matrix3.determinant() < 0.0;
     let triangles = triangles(document, primitive, place, positions.count, mirrored, tally)?;

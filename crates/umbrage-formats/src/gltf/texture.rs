@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 use umbrage::id::{ImageId, Table};
 use umbrage::scene::{Image, Rgb, Texture, Wrap};
-use umbrage_picture::MeanColor;
+use umbrage_picture::{MeanColor, for_viewers};
 
 use super::base_texture::BaseTexture;
 use super::document::{Document, List};
@@ -68,7 +68,9 @@ impl Images {
             let item = document.item(List::Images, number, "a texture")?;
             let bytes = document.image(number, "a texture").map_err(|error| error.to_string());
             let decoded = bytes.and_then(|bytes| {
-                let mean = MeanColor::decode(&bytes, alpha).map_err(|error| format!("{}: {error}", item.place))?;
+                let named = |error| format!("{}: {error}", item.place);
+                let bytes = for_viewers(bytes).map_err(named)?;
+                let mean = MeanColor::decode(&bytes, alpha).map_err(named)?;
                 Ok((bytes, mean))
             });
             let known = match decoded {

@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use umbrage::id::MaterialId;
-use umbrage::scene::{Look, Material, Rgb};
+use umbrage::scene::{Alpha, Look, Material, Rgb};
 
 use super::mtl::{self, MtlMaterial};
-use super::texture::Textures;
+use super::texture::{Shown, Textures};
 use crate::beside::{self, Folder};
 use crate::builder::SceneBuilder;
 use crate::warning::Unknown;
@@ -15,6 +15,9 @@ use crate::{FormatError, Warning};
 
 /// The name of what stands for no material at all.
 const NO_MATERIAL: &str = "default";
+
+/// Opacity below which what has an image of it is not seen: what glTF gives a mask that says nothing.
+const CUTOFF: f64 = 0.5;
 
 /// What a polygon's material is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,8 +36,6 @@ pub(super) struct Materials {
     missing: Vec<String>,
     /// The images on them.
     pub(super) textures: Textures,
-    /// Textures of emission and opacity.
-    other_textures: usize,
     half_transparent: usize,
     warnings: Vec<Warning>,
 }
@@ -138,25 +139,26 @@ impl Materials {
     pub(super) fn new(libraries: Libraries<'_>, builder: &mut SceneBuilder) -> Self {
         let mut materials = Self { warnings: libraries.warnings, ..Self::default() };
         for (folder, material) in libraries.materials {
-            let MtlMaterial { name, reflectance, radiance, opacity, texture, textures, .. } = material;
-            materials.other_textures += textures;
-            if opacity <= 0.0 {
-                materials.by_name.insert(name, Use::Transparent);
+            if material.opacity <= 0.0 {
+                materials.by_name.insert(material.name, Use::Transparent);
                 continue;
             }
-            materials.half_transparent += usize::from(opacity < 1.0);
-            let of = &mut materials.textures;
-            let shown = texture.as_ref().and_then(|t| of.load((libraries.folder, &folder), t, reflectance, builder));
-            // What a material reflects is known once its surfaces are, where there is an image on it.
-            let (texture, known) = match (texture, shown) {
-                (Some(texture), Some(shown)) => (Some((texture, shown)), Rgb::ZERO),
-                _ => (None, reflectance),
+            let images = materials.textures.load((libraries.folder, &folder), &material, builder);
+            materials.half_transparent += usize::from(material.opacity < 1.0 || images.cut_out);
+            // What a material reflects and emits is known once its surfaces are, where there is an image on it.
+            let known = |colour: Rgb, image: &Option<Shown>| if image.is_some() { Rgb::ZERO } else { colour };
+            let MtlMaterial { name, reflectance, radiance, .. } = material;
+            let reflectance = known(reflectance, &images.colour);
+            let texture = match (&images.emission, &images.colour) {
+                (Some(emission), _) => Some(emission.texture(Rgb::INFINITY)),
+                (None, colour) => colour.as_ref().map(|colour| colour.texture(Rgb::ONE)),
             };
-            let look = Look { texture: texture.as_ref().map(|texture| texture.1), ..Look::default() };
-            let id = builder.material(Material { radiance, look, ..Material::diffuse(name.clone(), known) });
-            if let Some((texture, shown)) = texture {
-                materials.textures.shows(id, texture, shown, reflectance);
-            }
+            let is_cut = images.cut_out && images.emission.is_none();
+            let alpha = if is_cut { Alpha::Mask { alpha: 1.0, cutoff: CUTOFF } } else { Alpha::Opaque };
+            let look = Look { texture, alpha, ..Look::default() };
+            let radiance = known(radiance, &images.emission);
+            let id = builder.material(Material { radiance, look, ..Material::diffuse(name.clone(), reflectance) });
+            materials.textures.shows(id, images);
             materials.by_name.insert(name, Use::Opaque(id));
         }
         materials
@@ -184,10 +186,8 @@ impl Materials {
         if let Some(first) = self.missing.first() {
             warnings.push(Warning::MaterialsMissing { materials: self.missing.len(), first: first.clone() });
         }
-        let (unusable, why) = self.textures.ignored;
-        let uses = unusable + self.other_textures;
+        let (uses, first) = self.textures.ignored;
         if uses > 0 {
-            let first = if unusable > 0 { why } else { "map_Ke and map_d are not read".into() };
             warnings.push(Warning::TexturesIgnored { uses, first });
         }
         if self.half_transparent > 0 {

@@ -2,7 +2,7 @@
 //!
 //! `Kd` is the reflectance, `Ke` the radiance in W/(m2 sr). A material that is fully transparent (`d 0`, or `Tr 1` where
 //! there is no `d`) blocks nothing: its polygons are left out, counted. A half transparent one is opaque. `map_Kd` multiplies
-//! `Kd`; other textures are counted and not read. A material with neither is grey.
+//! `Kd`, and `map_Ke` `Ke`; `map_d` cuts out what is seen, and light is blocked as a whole. A material without `Kd` is grey.
 
 use umbrage::scene::Rgb;
 
@@ -56,13 +56,16 @@ pub(super) struct MtlMaterial {
     pub(super) opacity: f64,
     /// `map_Kd`.
     pub(super) texture: Option<MtlTexture>,
-    /// Textures of emission or opacity, which are not read.
-    pub(super) textures: usize,
+    /// `map_Ke`.
+    pub(super) emission_texture: Option<MtlTexture>,
+    /// `map_d`.
+    pub(super) opacity_texture: Option<MtlTexture>,
     says_reflectance: bool,
+    says_radiance: bool,
     opacity_is_d: bool,
 }
 
-/// An image that multiplies the colour of a material.
+/// An image on a material.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MtlTexture {
     /// The file, relative to the library.
@@ -83,8 +86,10 @@ impl MtlMaterial {
             radiance: Rgb::ZERO,
             opacity: 1.0,
             texture: None,
-            textures: 0,
+            emission_texture: None,
+            opacity_texture: None,
             says_reflectance: false,
+            says_radiance: false,
             opacity_is_d: false,
         }
     }
@@ -115,7 +120,10 @@ pub(super) fn read(file: &str, bytes: &[u8], mut unknown: impl FnMut(&str)) -> R
                 material.reflectance = colour(place, word, rest)?;
                 material.says_reflectance = true;
             }
-            "Ke" => material.radiance = colour(place, word, rest)?,
+            "Ke" => {
+                material.radiance = colour(place, word, rest)?;
+                material.says_radiance = true;
+            }
             "d" | "Tr" => {
                 let mut words = words(rest).filter(|word| *word != "-halo");
                 let [value] = place.numbers(word, &mut words)?;
@@ -126,13 +134,19 @@ pub(super) fn read(file: &str, bytes: &[u8], mut unknown: impl FnMut(&str)) -> R
                 }
             }
             "map_Kd" => material.texture = texture(place, rest)?,
-            "map_Ke" | "map_d" => material.textures += 1,
+            "map_Ke" => material.emission_texture = texture(place, rest)?,
+            "map_d" => material.opacity_texture = texture(place, rest)?,
             _ => unknown(word),
         }
     }
     // An image says all of the colour where nothing else does.
-    for material in materials.iter_mut().filter(|m| m.texture.is_some() && !m.says_reflectance) {
-        material.reflectance = Rgb::ONE;
+    for material in &mut materials {
+        if material.texture.is_some() && !material.says_reflectance {
+            material.reflectance = Rgb::ONE;
+        }
+        if material.emission_texture.is_some() && !material.says_radiance {
+            material.radiance = Rgb::ONE;
+        }
     }
     Ok(materials)
 }
@@ -208,7 +222,7 @@ mod tests {
     #[test]
     fn colours_and_opacity() {
         let paint = one("Kd 0.1 0.2 0.3 # dark\nKe 5\nKs 1 1 1\nNs 10\nillum 2\nmap_Kd wood.png");
-        assert_eq!((paint.name.as_str(), paint.opacity, paint.textures), ("paint", 1.0, 0));
+        assert_eq!((paint.name.as_str(), paint.opacity), ("paint", 1.0));
         assert_eq!(paint.texture.map(|texture| texture.file), Some("wood.png".into()));
         assert_eq!((paint.reflectance, paint.radiance), (Rgb::new(0.1, 0.2, 0.3), Rgb::splat(5.0)));
         assert_eq!(one("").reflectance, Rgb::splat(DEFAULT_REFLECTANCE));
@@ -227,6 +241,8 @@ mod tests {
         assert_eq!(one("map_Kd a.png").reflectance, Rgb::ONE);
         assert_eq!(one("map_Kd a.png\nKd 0.5 0.5 0.5").reflectance, Rgb::splat(0.5));
         assert_eq!(texture("map_Kd -s 2 4.png").file, "4.png");
+        assert_eq!((one("map_Ke a.png").radiance, one("map_Ke a.png\nKe 2").radiance), (Rgb::ONE, Rgb::splat(2.0)));
+        assert_eq!(one("map_d -o 1 a.png").opacity_texture.map(|texture| texture.offset), Some([1.0, 0.0]));
         assert!(one("map_Kd").texture.is_none() && one("map_Kd -s 1 1 1").texture.is_none());
     }
 

@@ -72,7 +72,7 @@ pub(crate) fn read(
         reader.statement(Place { file: &file, line: line.number }, &line.text, &mut unknown)?;
     }
     let Reader { mut builder, materials, tally, .. } = reader;
-    materials.textures.set_reflectances(&mut builder);
+    materials.textures.finish(&mut builder);
     let (scene, capped) = builder.finish();
     let mut warnings = tally.warnings(coloured_vertices);
     warnings.extend(materials.warnings());
@@ -221,11 +221,12 @@ impl Reader<'_> {
         }
         let number = self.builder.position(surface, self.vertices[corner.vertex]);
         let normal = corner.normal.and_then(|normal| self.normals[normal].try_normalize());
-        let uv = self.materials.textures.is_on(material).then(|| {
-            let coordinates = coordinates.map_or(DVec2::ZERO, |coordinates| self.coordinates[coordinates]);
-            let place = self.materials.textures.place(material, coordinates);
-            if place.as_vec2().is_finite() { place } else { DVec2::ZERO }
-        });
+        // Taken to places in the image once all surfaces are there.
+        let uv = self
+            .materials
+            .textures
+            .is_on(material)
+            .then(|| coordinates.map_or(DVec2::ZERO, |coordinates| self.coordinates[coordinates]));
         self.builder.corner(surface, normal.unwrap_or_default(), uv);
         self.placed.insert((surface, corner), number);
         number

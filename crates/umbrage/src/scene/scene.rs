@@ -111,7 +111,7 @@ pub enum SceneError {
     /// No polygon emits light, and there is no lamp.
     #[error(
         "nothing emits light: give a material an emissive colour in the file (glTF: emissiveFactor, OBJ: Ke, MGF: ed), \
-         with --emit MATERIAL=r,g,b, or with a TOML beside the scene (SCENE.umbrage.toml or --materials FILE); its \
+         with --emit MATERIAL=r,g,b, or with a TOML beside the scene (SCENE.umbrage.toml or --materials FILE), which may also have lamps; its \
          materials are {known}"
     )]
     Lightless {

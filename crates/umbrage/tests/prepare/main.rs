@@ -5,5 +5,6 @@
 mod build;
 mod cases;
 mod check;
+mod degenerate;
 mod random;
 mod soups;

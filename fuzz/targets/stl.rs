@@ -1,0 +1,4 @@
+//! The reader of STL.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| umbrage_fuzz::read("stl", bytes));
