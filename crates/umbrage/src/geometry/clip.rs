@@ -4,12 +4,15 @@
 //! direction of travel: two polygons that share a side are cut at the very same bits.
 
 use glam::{DVec2, DVec3};
+use smallvec::SmallVec;
 
 use super::Plane;
 
 /// A corner that can be cut: a point of two or three dimensions.
-trait Corner: Copy {
+pub trait Corner: Copy {
+    /// The point that is the share `t` of the way on.
     fn lerp_towards(self, other: Self, t: f64) -> Self;
+    /// An order of all points.
     fn precedes(self, other: Self) -> bool;
 }
 
@@ -36,8 +39,8 @@ fn crossing<P: Corner>(p: P, at_p: f64, q: P, at_q: f64) -> P {
     if p.precedes(q) { p.lerp_towards(q, at_p / (at_p - at_q)) } else { q.lerp_towards(p, at_q / (at_q - at_p)) }
 }
 
-fn clip_by<P: Corner>(corners: &[P], height: impl Fn(P) -> f64) -> Vec<P> {
-    let mut kept = Vec::with_capacity(corners.len() + 2);
+fn clip_by<P: Corner>(corners: &[P], height: impl Fn(P) -> f64) -> SmallVec<[P; 8]> {
+    let mut kept = SmallVec::new();
     let Some(&last) = corners.last() else { return kept };
     let (mut previous, mut previous_height) = (last, height(last));
     for &corner in corners {
@@ -62,17 +65,18 @@ pub fn in_front_of(corners: &[DVec3], plane: &Plane, snap_m: f64) -> Vec<DVec3> 
         let height_m = plane.signed_distance_m(p);
         if height_m.abs() <= snap_m { 0.0 } else { height_m }
     })
+    .into_vec()
 }
 
 /// The part of a convex polygon where a linear function is not negative: for clipping in homogeneous coordinates.
-pub fn where_positive(corners: &[DVec3], linear: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
+pub fn where_not_negative<P: Corner>(corners: &[P], linear: impl Fn(P) -> f64) -> SmallVec<[P; 8]> {
     clip_by(corners, linear)
 }
 
 /// The part of a convex polygon to the left of the line from `from` to `to`.
 pub fn left_of(corners: &[DVec2], from: DVec2, to: DVec2) -> Vec<DVec2> {
     let along = to - from;
-    clip_by(corners, |p| along.perp_dot(p - from))
+    clip_by(corners, |p| along.perp_dot(p - from)).into_vec()
 }
 
 /// The common part of two convex counter-clockwise polygons.

@@ -1,6 +1,7 @@
 //! Planes, plane frames, convex polygons, clipping and exact predicates. Lengths are metres, in `f64`.
 
 pub mod clip;
+pub mod convex;
 pub mod plane;
 pub mod polygon;
 pub mod predicate;

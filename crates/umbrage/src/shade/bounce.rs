@@ -4,14 +4,16 @@
 //! reflect errs by that, in one direction over whole regions. So the solution `B` of the links' equation `B = rho (D + F B)`
 //! is put into the exact one, and what each leaf then receives more, `d = D + G B - (D + F B)`, is handed back to be solved
 //! with: `B = rho (D + d + F B)`. What is left is the error that links make about the correction alone (defect correction:
-//! Stetter, *The defect correction principle and discretization methods*, 1978). Gathering is linear, so a later bounce
-//! gathers the change alone, in which nearly every source is weak.
+//! Stetter, *The defect correction principle and discretization methods*, 1978). What a point sees of which patch is found once,
+//! and kept as the terms of a sum; so later bounces cost next to nothing.
 
 use glam::DVec2;
 use rayon::prelude::*;
+use smallvec::SmallVec;
 
-use super::field::{Field, Places, Values};
-use super::irradiance::{Indirect, Irradiance};
+use super::field::{Places, distinct};
+use super::irradiance::Irradiance;
+use super::reflected::Term;
 use crate::id::{PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
@@ -19,12 +21,20 @@ use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::Rgb;
 use crate::solve::{Solution, Surfaces};
 use crate::transport::Linear;
-use crate::visibility::Visibility;
+use crate::visibility::{ReceiverPoint, Visibility};
 
-/// Leaves between two reports of progress.
-const LEAVES_A_REPORT: usize = 256;
-/// Bounces go on until the next would change the light by less than this share of it, if changes go on falling as they do.
+/// Points between two reports of progress.
+const POINTS_A_REPORT: usize = 256;
+/// Bounces go on until one changes the light by less than this share of it.
 const UNBOUNCED: f64 = 1e-5;
+/// What is seen of which patch is looked at as closely as that patch reflects; and anew where the light changes by more than
+/// this share of it.
+const LIKE: f64 = 0.2;
+/// But no more often than that.
+const MOST_GATHERINGS: usize = 3;
+/// Bounces that may follow one gathering: each leaves a small part of the change that the one before
+/// made.
+const MOST_BOUNCES: usize = 30;
 
 /// Solves for what leaves exactly receive of what they reflect. `solve` solves for what links bring them, and what these miss
 /// is added to [`Surfaces::missed`] by each bounce.
@@ -40,70 +50,103 @@ pub fn bounce(
     progress: Progress<'_>,
 ) -> Result<Solution, Cancelled> {
     let mut solution = solve(surfaces)?;
-    let mean = solution.mean_irradiance(mesh);
     let places = Places::new(prepared);
-    let mut gathered: Table<PatchId, Linear<Rgb>> = vec![Linear::default(); mesh.patch_count()].into();
-    let mut not_gathered = solution.reflected.clone();
-    let (mut before, mut change) = (1.0, 1.0);
-    while change * change > UNBOUNCED * before {
-        let light = Irradiance::new(prepared, visibility, mesh, &not_gathered, mean);
-        let light = if change < 1.0 { light.of_change() } else { light };
-        add_gathered(mesh, &places, &mut gathered, &light, progress)?;
-        for leaf in mesh.leaves() {
-            let exactly = surfaces.direct[leaf] + gathered[leaf];
-            surfaces.missed[leaf] = surfaces.missed[leaf] + exactly - solution.irradiance[leaf];
+    for _ in 0..MOST_GATHERINGS {
+        let looked_at = solution.clone();
+        let light = Irradiance::new(prepared, visibility, mesh, &looked_at.reflected, looked_at.mean_irradiance(mesh));
+        let bounced_light = BouncedLight::gather(mesh, &places, &light, progress)?;
+        for _ in 0..MOST_BOUNCES {
+            let gathered = bounced_light.over_leaves(&solution.reflected);
+            for (leaf, gathered) in bounced_light.leaves.iter().zip(gathered) {
+                let exactly = surfaces.direct[leaf.patch] + gathered;
+                surfaces.missed[leaf.patch] = surfaces.missed[leaf.patch] + exactly - solution.irradiance[leaf.patch];
+            }
+            let bounced = solve(surfaces)?;
+            let change = bounced.relative_change(mesh, &solution);
+            solution = bounced;
+            tracing::debug!(change, "bounced");
+            if change < UNBOUNCED {
+                break;
+            }
         }
-        let bounced = solve(surfaces)?;
-        (before, change) = (change, bounced.relative_change(mesh, &solution).min(0.5 * change));
-        not_gathered =
-            bounced.reflected.iter().zip(&solution.reflected).map(|(&after, &before)| after - before).collect();
-        solution = bounced;
+        let change = solution.relative_change(mesh, &looked_at);
+        tracing::debug!(change, "gathered");
+        if change < LIKE {
+            break;
+        }
     }
     Ok(solution)
 }
 
-/// Adds to `gathered` what each leaf receives of the light that `reflected` evaluates: of a change of light its own change, so
-/// that a second bounce, which changes little, is found by few rays.
-///
-/// # Errors
-/// [`Cancelled`] where the progress callback asks to stop.
-fn add_gathered(
-    mesh: &Mesh,
-    places: &Places<'_>,
-    gathered: &mut Table<PatchId, Linear<Rgb>>,
-    reflected: &Irradiance<'_>,
-    progress: Progress<'_>,
-) -> Result<(), Cancelled> {
-    let light = Indirect(reflected);
-    let leaves: Vec<PatchId> = mesh.leaves().collect();
-    let corners =
-        leaves.iter().flat_map(|&leaf| mesh.corners(leaf).map(move |corner| places.vertex(mesh, leaf, corner)));
-    let mut at_corners = Values::default();
-    at_corners.evaluate(mesh, &light, corners.collect(), Stage::Solve, progress)?;
-    let of_leaves: Vec<Linear<Rgb>> = leaves
-        .par_iter()
-        .enumerate()
-        .map(|(number, &leaf)| {
-            if number.is_multiple_of(LEAVES_A_REPORT) {
-                progress.report(Stage::Solve, number, leaves.len())?;
+/// What every leaf receives of what all patches reflect, as sums of terms at its corners and in its middle: what is seen does not
+/// change with the light.
+struct BouncedLight {
+    leaves: Vec<BouncedLeaf>,
+    /// Of the corners, each once.
+    at_corners: Vec<Box<[Term]>>,
+}
+
+struct BouncedLeaf {
+    patch: PatchId,
+    /// Offsets of the corners from the centroid, in metres, and their numbers.
+    corners: SmallVec<[(DVec2, u32); 4]>,
+    in_middle: Box<[Term]>,
+}
+
+impl BouncedLight {
+    /// # Errors
+    /// [`Cancelled`] where the progress callback asks to stop.
+    fn gather(
+        mesh: &Mesh,
+        places: &Places<'_>,
+        light: &Irradiance<'_>,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let patches: Vec<PatchId> = mesh.leaves().collect();
+        let requests =
+            patches.iter().flat_map(|&leaf| mesh.corners(leaf).map(move |corner| places.vertex(mesh, leaf, corner)));
+        let corners = distinct(requests.collect());
+        let count = corners.len() + patches.len();
+        let terms = |number: usize, point: &ReceiverPoint| {
+            if number.is_multiple_of(POINTS_A_REPORT) {
+                progress.report(Stage::Solve, number, count)?;
             }
-            let centroid_m = mesh.patch(leaf).centroid_m;
-            let in_middle = light.at(mesh, &places.inside(mesh, leaf, centroid_m), leaf);
-            let frame = mesh.frame(mesh.patch(leaf).face);
-            let corners: Vec<(DVec2, Rgb)> = mesh
-                .corners(leaf)
-                .filter_map(|corner| {
-                    let offset_m = frame.to_2d(mesh.vertex_m(corner)) - frame.to_2d(centroid_m);
-                    Some((offset_m, at_corners.get(&places.vertex(mesh, leaf, corner).key)?))
-                })
-                .collect();
-            Ok(over_leaf(in_middle, &corners))
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    for (leaf, more) in leaves.into_iter().zip(of_leaves) {
-        gathered[leaf] = gathered[leaf] + more;
+            Ok(light.terms(point))
+        };
+        let at_corners = corners
+            .par_iter()
+            .enumerate()
+            .map(|(number, corner)| terms(number, &corner.point))
+            .collect::<Result<_, Cancelled>>()?;
+        let leaf = |(number, &patch): (usize, &PatchId)| {
+            let centroid_m = mesh.patch(patch).centroid_m;
+            let frame = mesh.frame(mesh.patch(patch).face);
+            let corner = |vertex| {
+                let key = places.vertex(mesh, patch, vertex).key;
+                let number = corners.binary_search_by_key(&key, |corner| corner.key).ok()?;
+                Some((frame.to_2d(mesh.vertex_m(vertex)) - frame.to_2d(centroid_m), number as u32))
+            };
+            Ok(BouncedLeaf {
+                patch,
+                corners: mesh.corners(patch).filter_map(corner).collect(),
+                in_middle: terms(corners.len() + number, &places.inside(mesh, patch, centroid_m))?,
+            })
+        };
+        let leaves = patches.par_iter().enumerate().map(leaf).collect::<Result<_, Cancelled>>()?;
+        Ok(Self { leaves, at_corners })
     }
-    Ok(())
+
+    /// Irradiance of the leaves where patches reflect `radiosity`, in W/m2.
+    fn over_leaves(&self, radiosity: &Table<PatchId, Linear<Rgb>>) -> Vec<Linear<Rgb>> {
+        let sum = |terms: &[Term]| terms.iter().map(|term| term.of(radiosity)).sum::<Rgb>();
+        let at_corners: Vec<Rgb> = self.at_corners.par_iter().map(|terms| sum(terms)).collect();
+        let over = |leaf: &BouncedLeaf| {
+            let corners: SmallVec<[(DVec2, Rgb); 4]> =
+                leaf.corners.iter().map(|&(offset_m, number)| (offset_m, at_corners[number as usize])).collect();
+            over_leaf(sum(&leaf.in_middle), &corners)
+        };
+        self.leaves.par_iter().map(over).collect()
+    }
 }
 
 /// The linear function over a convex polygon whose mean is that of the field with a value in the centroid and values at the

@@ -10,7 +10,7 @@
 use rayon::prelude::*;
 
 use super::field::{Field, Places, Request, Values};
-use crate::id::PatchId;
+use crate::id::{PatchId, VertexId};
 use crate::mesh::{BoundaryPoint, Mesh};
 use crate::scene::Rgb;
 
@@ -25,6 +25,7 @@ pub(super) struct Outlined {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Element {
     pub(super) area_m2: f64,
+    vertices: [VertexId; 3],
     /// Numbers of the values at its corners.
     corners: [u32; 3],
     /// How far the field departs from the mean of its ends in the middle of each side, from each corner to the next.
@@ -101,7 +102,8 @@ impl Outlined {
             let area_m2 = 0.5 * (b - a).cross(c - a).length();
             let between =
                 if area_m2 > large_m2 { MORE_PROBES.map(beyond).into_iter().sum::<Rgb>() / 2.0 } else { Rgb::ZERO };
-            Some(Element { area_m2, corners, bulges, inside: departure(PROBE), between, at_contact_corner })
+            let vertices = triangle.map(|k| self.boundary[k].vertex);
+            Some(Element { area_m2, vertices, corners, bulges, inside: departure(PROBE), between, at_contact_corner })
         };
         self.triangles.iter().filter_map(element).collect()
     }
@@ -113,6 +115,13 @@ fn parabola([p, q, r]: [f64; 3], bulges: &[Rgb; 3]) -> Rgb {
 }
 
 impl Element {
+    /// The vertices at its corners, and the values there and in the middle of each side, from each corner to the next.
+    pub(super) fn parabola(&self, values: &Values) -> ([VertexId; 3], [Rgb; 3], [Rgb; 3]) {
+        let at = self.corners.map(|corner| values.as_slice()[corner as usize]);
+        let middle = |i: usize| self.bulges[i] + 0.5 * (at[i] + at[(i + 1) % 3]);
+        (self.vertices, at, [middle(0), middle(1), middle(2)])
+    }
+
     /// Mean square of what linear interpolation errs between corners that show `shifts` more than the field, per colour.
     pub(super) fn linear_error_squared(&self, shifts: &[Rgb]) -> Rgb {
         let ([d, e, f], s) = (self.bulges, self.corners.map(|corner| shifts[corner as usize]));
@@ -189,6 +198,7 @@ mod tests {
         let bulges = [0.3, -0.1, 0.7].map(Rgb::splat);
         let element = Element {
             area_m2: 1.0,
+            vertices: [0, 1, 2].map(VertexId::from),
             corners: [0, 1, 2],
             bulges,
             inside: Rgb::ZERO,

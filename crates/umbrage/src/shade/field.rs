@@ -142,6 +142,13 @@ impl<'a> Places<'a> {
     }
 }
 
+/// Requests in the order of their keys, one for each.
+pub(super) fn distinct(mut requests: Vec<Request>) -> Vec<Request> {
+    requests.sort_by_key(|request| (request.key, request.patch));
+    requests.dedup_by_key(|request| request.key);
+    requests
+}
+
 /// Values of a field at points of the mesh, numbered in the order in which they were asked for.
 #[derive(Debug, Default)]
 pub(super) struct Values {
@@ -180,8 +187,7 @@ impl Values {
         progress: Progress<'_>,
     ) -> Result<(), Cancelled> {
         requests.retain(|request| !self.numbers.contains_key(&request.key));
-        requests.sort_by_key(|request| (request.key, request.patch));
-        requests.dedup_by_key(|request| request.key);
+        let requests = distinct(requests);
         let known = self.values.len();
         let values = requests
             .par_iter()

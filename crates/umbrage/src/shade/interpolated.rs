@@ -1,11 +1,12 @@
-//! A field known at the boundary points of some patches and in the middles between them, quadratic over their triangles:
-//! indirect light, which is smooth, is gathered at few points and interpolated at the many that direct light needs.
+//! A field that is quadratic over the triangles of the leaves of a mesh: indirect light, which is smooth, is gathered at few
+//! points and interpolated at the many that direct light needs.
 //!
-//! Patches that share a leaf edge share its values, so that the field is continuous wherever its values are.
+//! Patches that share a leaf edge share its values, so that the field is continuous wherever its values are, but where a patch
+//! does without the points that smaller neighbours put on its boundary: there it jumps by what its interpolation errs.
 
 use glam::DVec2;
 
-use super::field::{Places, Values};
+use super::refine::Refined;
 use crate::id::{FaceId, PatchId, Table};
 use crate::mesh::Mesh;
 use crate::scene::Rgb;
@@ -48,33 +49,17 @@ pub(super) struct Interpolated<'a> {
 }
 
 impl<'a> Interpolated<'a> {
-    /// The field with these values at the boundary points of the leaves.
-    pub(super) fn new(mesh: &'a Mesh, places: &Places<'_>, values: &Values) -> Self {
+    /// The field that was refined on `mesh`.
+    pub(super) fn new(mesh: &'a Mesh, refined: &Refined) -> Self {
         let mut elements: Table<PatchId, Vec<Element>> = vec![Vec::new(); mesh.patch_count()].into();
         for leaf in mesh.leaves() {
-            let boundary = mesh.boundary(leaf);
             let frame = mesh.frame(mesh.patch(leaf).face);
-            let known: Option<Vec<(DVec2, Rgb)>> = boundary
-                .iter()
-                .map(|point| {
-                    let value = values.get(&places.vertex(mesh, leaf, point.vertex).key)?;
-                    Some((frame.to_2d(mesh.vertex_m(point.vertex)), value))
-                })
-                .collect();
-            let Some(known) = known else { continue };
-            elements[leaf] = mesh
-                .triangles_of(leaf, &boundary)
-                .into_iter()
-                .filter_map(|triangle| {
-                    let middle = |i: usize| {
-                        let ends = [triangle[i], triangle[(i + 1) % 3]].map(|k| &boundary[k]);
-                        values.get(&places.middle(mesh, leaf, ends).key)
-                    };
-                    Some(Element {
-                        corners_m: triangle.map(|k| known[k].0),
-                        values: triangle.map(|k| known[k].1),
-                        middles: [middle(0)?, middle(1)?, middle(2)?],
-                    })
+            let of_leaf = refined.elements.get(leaf.index()).into_iter().flatten();
+            elements[leaf] = of_leaf
+                .map(|element| {
+                    let (vertices, values, middles) = element.parabola(&refined.values);
+                    let corners_m = vertices.map(|vertex| frame.to_2d(mesh.vertex_m(vertex)));
+                    Element { corners_m, values, middles }
                 })
                 .collect();
         }

@@ -13,24 +13,22 @@
 //! Before: a point lies inside its triangle, never on an edge or a contact: there the limit depends on the direction, and
 //! the caller chooses it by where it puts the point.
 
-use glam::DVec3;
-use smallvec::smallvec;
+use glam::DVec2;
+use smallvec::SmallVec;
 
 use super::field::Field;
-use super::reflected::{Part, Reflected};
+use super::reflected::{FlatPatch, Reflected, Term};
 use crate::id::{PatchId, Table};
 use crate::mesh::{Mesh, Patch};
 use crate::prepare::Prepared;
 use crate::scene::Rgb;
-use crate::transport::form_factor::point_to_polygon;
+use crate::transport::form_factor::factor_in_view;
 use crate::transport::{DirectLight, Linear};
-use crate::visibility::{FEW_SHADOWS, ReceiverPoint, SourcePolygon, Visibility, VisiblePart};
+use crate::visibility::{FEW_SHADOWS, FlatSource, PlaneView, ReceiverPoint, Visibility};
 
 /// A patch that could not bring more than this share of the mean irradiance is weak: what a few rays err about the part of
 /// it that is seen is a fraction of that, and independent from patch to patch.
 const WEAK_OF_MEAN: f64 = 2e-2;
-/// And of a change of light, of which the greatest stands for all of a patch, and what is missed is gathered next time.
-const WEAK_OF_CHANGE: f64 = 6e-2;
 /// Below this share of what is weak one ray tells whether a patch is seen.
 const ONE_RAY_OF_WEAK: f64 = 0.25;
 /// Rays to a weak patch above that.
@@ -40,20 +38,18 @@ const RAYS: usize = 4;
 #[derive(Debug)]
 pub struct Irradiance<'a> {
     visibility: &'a Visibility,
-    mesh: &'a Mesh,
     reflected: Reflected<'a>,
     roots: Vec<PatchId>,
     sources: Table<PatchId, ReflectingPatch>,
     /// Mean irradiance of all faces, over the three colours, in W/m2.
     pub(super) mean: f64,
-    weak_of_mean: f64,
 }
 
 /// A patch as a source.
 #[derive(Debug)]
 struct ReflectingPatch {
-    polygon: SourcePolygon,
-    middle_m: DVec3,
+    source: FlatSource,
+    middle_m: DVec2,
     radius_m: f64,
     /// The most that it reflects anywhere, in W/m2.
     greatest: f64,
@@ -72,91 +68,111 @@ impl<'a> Irradiance<'a> {
         let roots: Vec<PatchId> = prepared.faces.keys().map(|face| mesh.root(face)).collect();
         let reflected = Reflected::new(mesh, reflected, mean.max_element());
         let reflecting = |(id, patch): (PatchId, &Patch)| {
-            let polygon = SourcePolygon::on_face(prepared, patch.face, mesh.polygon_m(id));
+            let FlatPatch { corners_m, centroid_m, .. } = reflected.flat(id);
+            let plane = prepared.faces[patch.face].plane;
             ReflectingPatch {
-                middle_m: patch.centroid_m,
-                radius_m: polygon.reach_m(patch.centroid_m),
+                middle_m: *centroid_m,
+                radius_m: corners_m.iter().map(|corner_m| corner_m.distance(*centroid_m)).fold(0.0, f64::max),
                 greatest: reflected.greatest(id),
-                polygon,
+                source: FlatSource { frame: *mesh.frame(patch.face), corners_m: corners_m.clone(), plane },
             }
         };
         let sources = mesh.patches().map(reflecting).collect();
-        Self { visibility, mesh, reflected, roots, sources, mean: mean.element_sum() / 3.0, weak_of_mean: WEAK_OF_MEAN }
-    }
-
-    /// The same, of a change of what patches reflect.
-    pub(super) fn of_change(self) -> Self {
-        Self { weak_of_mean: WEAK_OF_CHANGE, reflected: self.reflected.of_change(), ..self }
+        Self { visibility, reflected, roots, sources, mean: mean.element_sum() / 3.0 }
     }
 
     /// Irradiance by reflection, in W/m2, at a point; below zero where what is reflected is a change for less, or falls so
     /// steeply that its linear fit does.
     pub fn indirect(&self, receiver: &ReceiverPoint) -> Rgb {
-        self.roots.iter().map(|&root| self.by_patch(receiver, root)).sum()
+        let mut sum = Rgb::ZERO;
+        self.add_terms(receiver, &mut |term| sum += self.reflected.of(&term));
+        sum
     }
 
-    /// Irradiance by what a patch reflects.
-    fn by_patch(&self, receiver: &ReceiverPoint, patch: PatchId) -> Rgb {
-        let source = &self.sources[patch];
-        let factor = source.factor(receiver);
-        let most_of_mean = source.greatest * factor / self.mean;
+    /// The terms of which irradiance by reflection at a point is the sum, for other light that patches reflect about as much of.
+    pub(super) fn terms(&self, receiver: &ReceiverPoint) -> Box<[Term]> {
+        let mut terms = Vec::new();
+        self.add_terms(receiver, &mut |term| terms.push(term));
+        terms.into_boxed_slice()
+    }
+
+    fn add_terms(&self, receiver: &ReceiverPoint, terms: &mut impl FnMut(Term)) {
+        for &root in &self.roots {
+            if let Some(view) = self.visibility.view(receiver, &self.sources[root].source) {
+                self.add_patch(receiver, &view, root, terms);
+            }
+        }
+    }
+
+    /// Adds the terms of a patch in the plane that `view` views.
+    fn add_patch(&self, receiver: &ReceiverPoint, view: &PlaneView, patch: PatchId, terms: &mut impl FnMut(Term)) {
+        let ReflectingPatch { source, greatest, .. } = &self.sources[patch];
+        let factor = self.sources[patch].factor(view);
+        let most_of_mean = greatest * factor / self.mean;
         if most_of_mean <= 0.0 {
-            return Rgb::ZERO;
+            return;
         }
-        let subpatches = self.mesh.patch(patch).subpatches;
-        let by_subpatches = || subpatches.into_iter().flatten().map(|part| self.by_patch(receiver, part)).sum();
-        if most_of_mean < self.weak_of_mean {
-            if subpatches.is_some() && !self.reflected.is_linear(patch, factor) {
-                return by_subpatches();
+        let subpatches = self.reflected.subpatches(patch);
+        if most_of_mean < WEAK_OF_MEAN {
+            if subpatches.is_none() || self.reflected.is_linear(patch, factor) {
+                let rays = if most_of_mean < ONE_RAY_OF_WEAK * WEAK_OF_MEAN { 1 } else { RAYS };
+                return self.add_rays(receiver, view, patch, (factor, rays), terms);
             }
-            let rays = if most_of_mean < ONE_RAY_OF_WEAK * self.weak_of_mean { 1 } else { RAYS };
-            return factor * self.seen_by_rays(receiver, patch, rays);
+        } else {
+            let most_shadows = if subpatches.is_some() { FEW_SHADOWS } else { usize::MAX };
+            match self.visibility.seen_past(receiver, *view, source, most_shadows) {
+                Some(seen) if seen.is_nothing() => return,
+                Some(seen) => return self.reflected.add_terms(view, patch, seen, terms),
+                None => {}
+            }
         }
-        let most_shadows = if subpatches.is_some() { FEW_SHADOWS } else { usize::MAX };
-        match self.visibility.visible_part_past(receiver, &source.polygon, most_shadows) {
-            Some(part) => self.by_visible_part(receiver, patch, part),
-            None => by_subpatches(),
-        }
+        subpatches.into_iter().flatten().for_each(|part| self.add_patch(receiver, view, part, terms));
     }
 
-    /// What a point sees a patch reflect, on average over all of it above the horizon, in W/m2.
-    fn seen_by_rays(&self, receiver: &ReceiverPoint, patch: PatchId, rays: usize) -> Rgb {
-        let ReflectingPatch { polygon, middle_m, .. } = &self.sources[patch];
-        let (mut whole, mut seen) = (0.0, Rgb::ZERO);
+    /// Adds what rays see of a patch of this factor, as if it were so all over it above the horizon.
+    fn add_rays(
+        &self,
+        receiver: &ReceiverPoint,
+        view: &PlaneView,
+        patch: PatchId,
+        (factor, rays): (f64, usize),
+        terms: &mut impl FnMut(Term),
+    ) {
+        let ReflectingPatch { source, middle_m, .. } = &self.sources[patch];
+        let planes = [receiver.plane, source.plane];
+        let is_seen = |at_m| !self.visibility.occluded(receiver.position_m, source.frame.to_3d(at_m), planes);
+        if rays == 1 {
+            if is_seen(*middle_m) {
+                terms(self.reflected.term_of_whole(view, patch, factor));
+            }
+            return;
+        }
+        let mut whole = 0.0;
+        let mut seen: SmallVec<[(f64, DVec2); RAYS]> = SmallVec::new();
         for ray in 0..rays {
-            let at_m = if rays == 1 { *middle_m } else { polygon.inner_point_m(*middle_m, ray, rays) };
-            let along = at_m - receiver.position_m;
-            let cosines = receiver.normal.dot(along).max(0.0) * -polygon.oriented_plane.normal.dot(along);
-            let exchange = cosines / along.length_squared().powi(2);
+            // Half way from the middle to corners that are spread around.
+            let at_m = middle_m.midpoint(source.corners_m[ray * source.corners_m.len() / rays]);
+            let along = view.towards_m(at_m);
+            let exchange = view.normal.dot(along).max(0.0) * view.height_m / along.length_squared().powi(2);
             whole += exchange;
-            if exchange > 0.0 && !self.visibility.occluded(receiver.position_m, at_m, [receiver.plane, polygon.plane]) {
-                seen += exchange * self.reflected.at(patch, at_m);
+            if exchange > 0.0 && is_seen(at_m) {
+                seen.push((exchange, at_m));
             }
         }
-        if whole > 0.0 { seen / whole } else { Rgb::ZERO }
-    }
-
-    /// Irradiance by what the visible part of a patch reflects.
-    fn by_visible_part(&self, receiver: &ReceiverPoint, patch: PatchId, part: VisiblePart) -> Rgb {
-        let part: Part = match part {
-            VisiblePart::Nothing => return Rgb::ZERO,
-            VisiblePart::Whole(corners_m) => smallvec![corners_m],
-            VisiblePart::Part(contours) => contours.iter().map(<[DVec3]>::to_vec).collect(),
-        };
-        self.reflected.by(receiver, patch, &part)
+        for (exchange, at_m) in seen {
+            terms(Term::new(patch, factor * exchange / whole, at_m - *middle_m));
+        }
     }
 }
 
 impl ReflectingPatch {
     /// Factor of a point to the patch, if nothing stood between; 0 where the patch reflects nothing.
-    fn factor(&self, receiver: &ReceiverPoint) -> f64 {
-        let SourcePolygon { corners_m, oriented_plane, plane } = &self.polygon;
-        let to_middle = self.middle_m - receiver.position_m;
-        let faces = self.greatest > 0.0
-            && receiver.plane != *plane
-            && oriented_plane.signed_distance_m(receiver.position_m) > 0.0
-            && receiver.normal.dot(to_middle) > -self.radius_m;
-        if faces { point_to_polygon(receiver.position_m, receiver.normal, corners_m) } else { 0.0 }
+    fn factor(&self, view: &PlaneView) -> f64 {
+        if self.greatest <= 0.0 || view.over_horizon_m(self.middle_m) <= -self.radius_m {
+            return 0.0;
+        }
+        let above = view.above_horizon(&self.source.corners_m);
+        factor_in_view(view, above.as_deref().unwrap_or(&self.source.corners_m)).max(0.0)
     }
 }
 

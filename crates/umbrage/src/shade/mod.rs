@@ -8,6 +8,7 @@ mod element;
 mod field;
 mod interpolated;
 mod irradiance;
+mod part;
 mod refine;
 mod reflected;
 #[expect(clippy::module_inception, reason = "the module's main function is named like the module")]

@@ -54,19 +54,13 @@ pub(super) struct RefineSettings {
     pub(super) max_triangles: usize,
 }
 
-/// What is known of a leaf.
-#[derive(Clone, Debug)]
-struct Known {
-    /// Boundary points at the time: with more of them the triangles are others.
-    points: usize,
-    elements: Vec<Element>,
-}
-
 /// What refinement leaves.
 pub(super) struct Refined {
     /// The field at the points of the mesh.
     pub(super) values: Values,
-    /// What each of them is shifted by to be shown, for linear interpolation.
+    /// The elements of each patch that was looked at, by its number.
+    pub(super) elements: Vec<Vec<Element>>,
+    /// What each value is shifted by to be shown, for linear interpolation.
     pub(super) shifts: Vec<Rgb>,
     /// Estimated root mean square error over the mean.
     pub(super) error: f64,
@@ -81,14 +75,21 @@ pub(super) fn refine(
     settings: RefineSettings,
     progress: Progress<'_>,
 ) -> Result<Refined, Cancelled> {
-    let mut refined = Refined { values: Values::default(), shifts: Vec::new(), error: 0.0 };
-    let mut known: Vec<Option<Known>> = Vec::new();
-    for _ in 0..MOST_ROUNDS {
+    let mut refined = Refined { values: Values::default(), elements: Vec::new(), shifts: Vec::new(), error: 0.0 };
+    // Boundary points that each patch had when it was looked at.
+    let mut known: Vec<Option<usize>> = Vec::new();
+    for round in 0..MOST_ROUNDS {
         known.resize(mesh.patch_count(), None);
+        refined.elements.resize(mesh.patch_count(), Vec::new());
         let leaves: Vec<PatchId> = mesh.leaves().filter(|&leaf| receives(mesh, leaf)).collect();
         let large_m2 = LARGE_OF_ALL * leaves.iter().map(|&leaf| mesh.patch(leaf).area_m2).sum::<f64>();
-        let is_stale =
-            |leaf: PatchId| known[leaf.index()].as_ref().is_none_or(|known| known.points != mesh.boundary(leaf).len());
+        // With more points the triangles are others. A parabola does without those that neighbours added: they lie on it
+        // where it is good enough.
+        let is_stale = |leaf: PatchId| {
+            known[leaf.index()].is_none_or(|points| {
+                settings.interpolation == Interpolation::Linear && points != mesh.boundary(leaf).len()
+            })
+        };
         let stale: Vec<Outlined> =
             leaves.par_iter().filter(|leaf| is_stale(**leaf)).map(|&leaf| Outlined::of(mesh, leaf)).collect();
         let requests = stale.par_iter().flat_map_iter(|leaf| leaf.requests(mesh, places)).collect();
@@ -96,9 +97,10 @@ pub(super) fn refine(
         let fresh: Vec<Vec<Element>> =
             stale.par_iter().map(|leaf| leaf.elements(mesh, places, &refined.values, field, large_m2)).collect();
         for (leaf, elements) in stale.iter().zip(fresh) {
-            known[leaf.patch.index()] = Some(Known { points: leaf.point_count(), elements });
+            known[leaf.patch.index()] = Some(leaf.point_count());
+            refined.elements[leaf.patch.index()] = elements;
         }
-        let elements_of = |leaf: PatchId| known[leaf.index()].iter().flat_map(|known| &known.elements);
+        let elements_of = |leaf: PatchId| refined.elements[leaf.index()].iter();
         refined.shifts = match settings.interpolation {
             Interpolation::Linear => shifts(leaves.iter().flat_map(|&leaf| elements_of(leaf)), &refined.values),
             Interpolation::Quadratic => Vec::new(),
@@ -137,7 +139,9 @@ pub(super) fn refine(
             leaves.iter().copied().filter(|&leaf| errs_locally(leaf)).take(room).collect()
         };
         marked.sort_unstable();
-        if room == 0 || marked.into_iter().filter(|&leaf| mesh.split(leaf)).count() == 0 {
+        // What is split must be looked at: the last round does not.
+        let last = round + 1 == MOST_ROUNDS || room == 0;
+        if last || marked.into_iter().filter(|&leaf| mesh.split(leaf)).count() == 0 {
             break;
         }
     }

@@ -1,35 +1,32 @@
 //! What the visible part of a source reflects towards a point: a sum down the source's patches.
 //!
-//! Lambert's sum is linear in contours. So the part of a face that a point sees is found once, and cut along the cuts of
-//! its patches by half-planes; edges that a cut leaves twice cancel. A patch stands for its parts where the difference is a
-//! trifle. A leaf that varies by more is taken in slices across its gradient:
+//! Lambert's sum is linear in polygons. So the part of a face that a point sees is found once, as its outline less shadows, and cut
+//! along the cuts of its patches. A patch stands for its parts where the difference is a trifle. A leaf that varies by
+//! more is taken in slices across its gradient:
 //!
 //! ```text
-//!    ____________________          ##  in shadow, as seen from the point: not in the contours
+//!    ____________________          ##  in shadow, as seen from the point: taken from what it lies on
 //!   |        |    |######|
 //!   |  one   | two|#.....|         the cuts are those of the patch tree, the values its radiosity
 //!   |________|____|______|
 //! ```
+//!
+//! Most patches are seen whole: of these all but the factor is known beforehand.
 
-use glam::{DVec2, DVec3};
-use smallvec::SmallVec;
+use glam::{DMat2, DVec2};
 
-use crate::geometry::clip;
+use super::part::{Part, Pieces};
+use crate::geometry::convex::{self, Convex, Line, Moments};
 use crate::id::{PatchId, Table};
 use crate::mesh::Mesh;
 use crate::scene::Rgb;
 use crate::transport::Linear;
-use crate::transport::form_factor::contour_factor;
-use crate::visibility::ReceiverPoint;
-
-/// Contours of a part of a source: outer ones counter-clockwise seen from its front, holes clockwise.
-pub(super) type Part = SmallVec<[Vec<DVec3>; 1]>;
+use crate::transport::form_factor::factor_in_view;
+use crate::visibility::{PlaneView, Seen, Shadows};
 
 /// A patch stands for its parts, and a slice for its points, where that changes irradiance by no more than this share of
 /// its mean: a point gathers over some hundred patches, whose errors partly cancel.
 const TRIFLE_OF_MEAN: f64 = 1e-4;
-/// And of a change of light, which is smaller.
-const TRIFLE_OF_CHANGE: f64 = 5e-5;
 /// A leaf is sliced into at most two to this power.
 const MOST_HALVINGS: usize = 3;
 
@@ -46,10 +43,54 @@ struct Variation {
     departure: f64,
 }
 
+/// A patch in the frame of its face.
+#[derive(Clone, Debug)]
+pub(super) struct FlatPatch {
+    pub(super) corners_m: Convex,
+    pub(super) centroid_m: DVec2,
+    /// Area mean of the outer product of the offset from the centroid with itself, in square metres.
+    spread_m2: DMat2,
+    /// The line that cuts it in two, with the first part to its left.
+    cut: Option<(Line, [PatchId; 2])>,
+}
+
+impl FlatPatch {
+    fn of(mesh: &Mesh, patch: PatchId) -> Self {
+        let frame = mesh.frame(mesh.patch(patch).face);
+        let corners_m: Convex = mesh.polygon_2d_m(patch).into();
+        let middle = Moments::of(&corners_m).centroid_and_spread();
+        let (centroid_m, spread_m2) =
+            middle.unwrap_or_else(|| (frame.to_2d(mesh.patch(patch).centroid_m), DMat2::ZERO));
+        let line = mesh.cut_m(patch).map(|ends| Line::through(frame.to_2d(ends[0]), frame.to_2d(ends[1])));
+        Self { corners_m, centroid_m, spread_m2, cut: line.zip(mesh.patch(patch).subpatches) }
+    }
+}
+
+/// What a patch, or a part of it, brings to a point: a factor times its linear fit at one of its points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Term {
+    patch: PatchId,
+    factor: f32,
+    /// From the centroid of the patch, in metres.
+    offset_m: [f32; 2],
+}
+
+impl Term {
+    pub(super) fn new(patch: PatchId, factor: f64, offset_m: DVec2) -> Self {
+        Self { patch, factor: factor as f32, offset_m: offset_m.as_vec2().to_array() }
+    }
+
+    /// What it brings where patches reflect `radiosity`, in W/m2.
+    pub(super) fn of(&self, radiosity: &Table<PatchId, Linear<Rgb>>) -> Rgb {
+        let [s, t] = self.offset_m.map(f64::from);
+        f64::from(self.factor) * radiosity[self.patch].at(DVec2::new(s, t))
+    }
+}
+
 /// What patches reflect.
 #[derive(Debug)]
 pub(super) struct Reflected<'a> {
-    mesh: &'a Mesh,
+    flat: Table<PatchId, FlatPatch>,
     /// Radiosity by reflection, `B - M`, in W/m2.
     radiosity: &'a Table<PatchId, Linear<Rgb>>,
     variation: Table<PatchId, Variation>,
@@ -60,37 +101,31 @@ pub(super) struct Reflected<'a> {
 impl<'a> Reflected<'a> {
     /// What the patches of `mesh` reflect, for points whose mean irradiance is `mean`, in W/m2.
     pub(super) fn new(mesh: &'a Mesh, radiosity: &'a Table<PatchId, Linear<Rgb>>, mean: f64) -> Self {
+        let flat: Table<PatchId, FlatPatch> = mesh.patches().map(|(patch, _)| FlatPatch::of(mesh, patch)).collect();
         let mut variation: Table<PatchId, Variation> = vec![Variation::default(); mesh.patch_count()].into();
         for index in (0..mesh.patch_count()).rev() {
             let id = PatchId::from(index);
-            let patch = mesh.patch(id);
-            let frame = mesh.frame(patch.face);
-            let offset = |corner: DVec2, of: PatchId| corner - frame.to_2d(mesh.patch(of).centroid_m);
-            let greatest = |corners: Vec<DVec2>, change: &dyn Fn(DVec2) -> Rgb| {
-                corners.into_iter().map(|corner| change(corner).abs().max_element()).fold(0.0, f64::max)
+            let greatest = |of: PatchId, change: &dyn Fn(DVec2) -> Rgb| {
+                flat[of].corners_m.iter().map(|&corner| change(corner).abs().max_element()).fold(0.0, f64::max)
             };
-            let own = |corner: DVec2| radiosity[id].at(offset(corner, id));
-            let linear = greatest(mesh.polygon_2d_m(id), &|corner| own(corner) - radiosity[id].mean);
-            let from_part = |part: PatchId| {
-                let change = |corner: DVec2| own(corner) - radiosity[part].at(offset(corner, part));
-                greatest(mesh.polygon_2d_m(part), &change) + variation[part].departure
-            };
-            let departure = patch.subpatches.map_or(0.0, |[left, right]| from_part(left).max(from_part(right)));
+            let at = |patch: PatchId, corner: DVec2| radiosity[patch].at(corner - flat[patch].centroid_m);
+            let linear = greatest(id, &|corner| at(id, corner) - radiosity[id].mean);
+            let from_part =
+                |part: PatchId| greatest(part, &|corner| at(id, corner) - at(part, corner)) + variation[part].departure;
+            let departure = flat[id].cut.map_or(0.0, |(_, [left, right])| from_part(left).max(from_part(right)));
             variation[id] = Variation { linear, departure };
         }
-        Self { mesh, radiosity, variation, trifle: TRIFLE_OF_MEAN * mean }
+        Self { flat, radiosity, variation, trifle: TRIFLE_OF_MEAN * mean }
     }
 
-    /// The same, of a change of light.
-    pub(super) fn of_change(self) -> Self {
-        Self { trifle: TRIFLE_OF_CHANGE / TRIFLE_OF_MEAN * self.trifle, ..self }
+    /// A patch in the frame of its face.
+    pub(super) fn flat(&self, patch: PatchId) -> &FlatPatch {
+        &self.flat[patch]
     }
 
-    /// What a patch reflects at a point of its plane, by its linear fit, in W/m2.
-    pub(super) fn at(&self, patch: PatchId, point_m: DVec3) -> Rgb {
-        let node = self.mesh.patch(patch);
-        let frame = self.mesh.frame(node.face);
-        self.radiosity[patch].at(frame.to_2d(point_m) - frame.to_2d(node.centroid_m))
+    /// The parts that a patch is split into.
+    pub(super) fn subpatches(&self, patch: PatchId) -> Option<[PatchId; 2]> {
+        self.flat[patch].cut.map(|(_, subpatches)| subpatches)
     }
 
     /// The most that a patch reflects anywhere, in the brightest colour, in W/m2.
@@ -104,118 +139,132 @@ impl<'a> Reflected<'a> {
         factor * self.variation[patch].departure <= self.trifle
     }
 
-    /// Irradiance at a point by what `part` of a patch reflects, in W/m2.
-    pub(super) fn by(&self, receiver: &ReceiverPoint, patch: PatchId, part: &Part) -> Rgb {
-        self.by_patch(receiver, patch, part, factor(receiver, part))
+    /// What a term brings, in W/m2.
+    pub(super) fn of(&self, term: &Term) -> Rgb {
+        term.of(self.radiosity)
     }
 
-    fn by_patch(&self, receiver: &ReceiverPoint, patch: PatchId, part: &Part, factor: f64) -> Rgb {
-        if factor <= 0.0 || part.is_empty() {
-            return Rgb::ZERO;
+    /// Adds the terms of what a point sees of a patch.
+    pub(super) fn add_terms(&self, view: &PlaneView, patch: PatchId, seen: Seen, terms: &mut impl FnMut(Term)) {
+        if seen.whole && seen.shadows.is_empty() {
+            let factor = factor_in_view(view, &self.flat[patch].corners_m);
+            return self.add_whole(view, patch, factor, terms);
         }
-        let Variation { linear, departure } = self.variation[patch];
-        if self.is_trifle(factor, linear, departure) {
-            return factor * self.radiosity_of(receiver, patch, part);
-        }
-        let node = self.mesh.patch(patch);
-        let frame = self.mesh.frame(node.face);
-        match (node.subpatches, self.mesh.cut_m(patch)) {
-            (Some([left, right]), Some([from_m, to_m])) => {
-                let [on_left, on_right] = halves(part, from_m, frame.plane.normal.cross(to_m - from_m));
-                let of_left = self::factor(receiver, &on_left);
-                self.by_patch(receiver, left, &on_left, of_left)
-                    + self.by_patch(receiver, right, &on_right, factor - of_left)
-            }
-            _ => {
-                let [s, t] = self.radiosity[patch].gradient.map(Rgb::element_sum);
-                let along = (frame.to_3d(DVec2::new(s, t)) - frame.to_3d(DVec2::ZERO)).normalize_or_zero();
-                self.by_slices(receiver, patch, part, factor, along, MOST_HALVINGS)
-            }
-        }
+        let mut pieces = Pieces::new(view);
+        let part = pieces.part(seen.outline, seen.shadows);
+        self.add_part(&mut pieces, patch, &part, seen.whole, terms);
     }
 
-    /// Irradiance by a part of a leaf whose radiosity changes in the direction `along`.
-    fn by_slices(
+    /// Adds the terms of a patch of which all is seen.
+    fn add_whole(&self, view: &PlaneView, patch: PatchId, factor: f64, terms: &mut impl FnMut(Term)) {
+        if factor <= 0.0 {
+            return;
+        }
+        let flat = &self.flat[patch];
+        if self.is_trifle(patch, factor, factor.sqrt()) {
+            return terms(self.term_of_whole(view, patch, factor));
+        }
+        let Some((_, [left, right])) = flat.cut else {
+            let mut pieces = Pieces::new(view);
+            let part = pieces.part(flat.corners_m.clone(), Shadows::new());
+            return self.add_slices(&mut pieces, patch, &part, MOST_HALVINGS, terms);
+        };
+        let of_left = factor_in_view(view, &self.flat[left].corners_m);
+        self.add_whole(view, left, of_left, terms);
+        self.add_whole(view, right, factor - of_left, terms);
+    }
+
+    /// Adds the terms of a part of a patch, of which `above_horizon` is all or not.
+    fn add_part(
         &self,
-        receiver: &ReceiverPoint,
+        pieces: &mut Pieces<'_>,
+        patch: PatchId,
+        part: &Part,
+        above_horizon: bool,
+        terms: &mut impl FnMut(Term),
+    ) {
+        let factor = pieces.factor(part);
+        if factor <= 0.0 {
+            return;
+        }
+        if above_horizon && part.is_clear() {
+            return self.add_whole(pieces.view, patch, factor, terms);
+        }
+        let dark = pieces.dark_share(part);
+        let taken = if above_horizon { dark.min(1.0 - dark) } else { 1.0 };
+        if self.is_trifle(patch, factor, (factor.sqrt() + taken).min(1.0)) {
+            return terms(self.term_of_part(pieces, patch, part, factor));
+        }
+        let Some((line, subpatches)) = &self.flat[patch].cut else {
+            return self.add_slices(pieces, patch, part, MOST_HALVINGS, terms);
+        };
+        for (half, &subpatch) in pieces.halves(part, line).iter().zip(subpatches) {
+            if let Some(half) = half {
+                self.add_part(pieces, subpatch, half, above_horizon, terms);
+            }
+        }
+    }
+
+    /// Adds the terms of a part of a leaf, in slices across its gradient.
+    fn add_slices(
+        &self,
+        pieces: &mut Pieces<'_>,
         leaf: PatchId,
         part: &Part,
-        factor: f64,
-        along: DVec3,
         halvings_left: usize,
-    ) -> Rgb {
-        if factor <= 0.0 || part.is_empty() {
-            return Rgb::ZERO;
+        terms: &mut impl FnMut(Term),
+    ) {
+        let factor = pieces.factor(part);
+        if factor <= 0.0 {
+            return;
         }
-        let heights = || part.iter().flatten().map(|p| p.dot(along));
-        let (low_m, high_m) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
-        let slope = self.radiosity[leaf].gradient.iter().map(|g| g.abs()).sum::<Rgb>().max_element();
-        if halvings_left == 0 || self.is_trifle(factor, slope * 0.5 * (high_m - low_m), 0.0) {
-            return factor * self.radiosity_of(receiver, leaf, part);
+        let gradient = self.radiosity[leaf].gradient;
+        let left = DVec2::from(gradient.map(Rgb::element_sum)).normalize_or_zero();
+        let (low_m, high_m) = convex::heights_m(pieces.outline_m(part), &Line { from_m: DVec2::ZERO, left });
+        let slope = gradient.iter().map(|g| g.abs()).sum::<Rgb>().max_element();
+        if halvings_left == 0 || factor * factor * slope * 0.5 * (high_m - low_m) <= self.trifle {
+            return terms(self.term_of_part(pieces, leaf, part, factor));
         }
-        let centre_m = self.mesh.patch(leaf).centroid_m;
-        let at_m = centre_m + (0.5 * (low_m + high_m) - centre_m.dot(along)) * along;
-        let [beyond, before] = halves(part, at_m, along);
-        let of_beyond = self::factor(receiver, &beyond);
-        self.by_slices(receiver, leaf, &beyond, of_beyond, along, halvings_left - 1)
-            + self.by_slices(receiver, leaf, &before, factor - of_beyond, along, halvings_left - 1)
+        let line = Line { from_m: 0.5 * (low_m + high_m) * left, left };
+        for half in pieces.halves(part, &line).iter().flatten() {
+            self.add_slices(pieces, leaf, half, halvings_left - 1, terms);
+        }
+    }
+
+    /// All of a patch in one term.
+    pub(super) fn term_of_whole(&self, view: &PlaneView, patch: PatchId, factor: f64) -> Term {
+        let flat = &self.flat[patch];
+        let middle_m = seen_middle_m(view, flat.centroid_m, flat.spread_m2, &flat.corners_m);
+        Term::new(patch, factor, middle_m - flat.centroid_m)
+    }
+
+    /// A part of a patch in one term.
+    fn term_of_part(&self, pieces: &Pieces<'_>, patch: PatchId, part: &Part, factor: f64) -> Term {
+        let middle = pieces.moments(part).centroid_and_spread().map(|(centroid_m, spread_m2)| {
+            seen_middle_m(pieces.view, centroid_m, spread_m2, pieces.outline_m(part)) - self.flat[patch].centroid_m
+        });
+        Term::new(patch, factor, middle.unwrap_or_default())
     }
 
     /// Whether a patch's linear fit is as good as its parts. The fit is taken at the middle of what is seen of it, weighted
-    /// by the factor to second order: what is left goes with the square of the angle that it spans, which the factor is.
-    fn is_trifle(&self, factor: f64, linear: f64, departure: f64) -> bool {
-        factor * (factor * linear + departure) <= self.trifle
-    }
-
-    /// A patch's linear fit at the middle of a part of it, as seen from a point.
-    fn radiosity_of(&self, receiver: &ReceiverPoint, patch: PatchId, part: &Part) -> Rgb {
-        let normal = self.mesh.frame(self.mesh.patch(patch).face).plane.normal;
-        seen_middle_m(receiver, part, normal).map_or(self.radiosity[patch].mean, |middle_m| self.at(patch, middle_m))
+    /// by the factor to second order: what is left goes with the square of the angle that it spans, which the factor is. What
+    /// departs from the fit has no mean over the patch: the share `departing` of it is left, which goes with that angle where
+    /// all is seen, and is at most what is taken or what is left of the patch.
+    fn is_trifle(&self, patch: PatchId, factor: f64, departing: f64) -> bool {
+        let Variation { linear, departure } = self.variation[patch];
+        factor * (factor * linear + departing * departure) <= self.trifle
     }
 }
 
-/// Lambert's factor of a point to a part of a source.
-fn factor(receiver: &ReceiverPoint, part: &Part) -> f64 {
-    part.iter().map(|contour| contour_factor(receiver.position_m, receiver.normal, contour)).sum()
-}
-
-/// The parts on the side that `towards` points to, and on the other, of a line through `at_m`.
-fn halves(part: &Part, at_m: DVec3, towards: DVec3) -> [Part; 2] {
-    [1.0, -1.0].map(|sign| {
-        let side = |contour: &Vec<DVec3>| clip::where_positive(contour, |p| sign * towards.dot(p - at_m));
-        part.iter().map(side).filter(|contour| !contour.is_empty()).collect()
-    })
-}
-
-/// The middle of a part of a source with the unit normal `normal`, weighted by the factor `cos cos / r^2` of each of its
-/// points, which is taken to be exponential over the part; `None` where it has no area.
-fn seen_middle_m(receiver: &ReceiverPoint, part: &Part, normal: DVec3) -> Option<DVec3> {
-    let (mut moment, mut doubled_m2) = (DVec3::ZERO, 0.0);
-    let first = *part.first()?.first()?;
-    let triangles = || {
-        part.iter()
-            .flat_map(|contour| contour.windows(2))
-            .map(|pair| (pair[0] - first, pair[1] - first))
-            .chain(part.iter().map(|contour| (contour[contour.len() - 1] - first, contour[0] - first)))
-            .map(|(p, q)| (p, q, p.cross(q).dot(normal)))
-    };
-    for (p, q, area) in triangles() {
-        moment += area / 3.0 * (p + q);
-        doubled_m2 += area;
-    }
-    if doubled_m2 <= 0.0 {
-        return None;
-    }
-    let centroid = moment / doubled_m2;
-    let from_point = first + centroid - receiver.position_m;
-    let growth = receiver.normal / receiver.normal.dot(from_point) + normal / normal.dot(from_point)
-        - 4.0 * from_point / from_point.length_squared();
-    let along = |v: DVec3| v * v.dot(growth);
-    let spread = triangles().map(|(p, q, area)| area / 12.0 * (along(p) + along(q) + along(p + q))).sum::<DVec3>()
-        / doubled_m2
-        - along(centroid);
-    let reach_m = part.iter().flatten().map(|&p| p.distance(first + centroid)).fold(0.0, f64::max);
+/// The middle of a part of a source, weighted by the factor `cos cos / r^2` of each of its points, which is taken to be
+/// exponential over the part.
+fn seen_middle_m(view: &PlaneView, centroid_m: DVec2, spread_m2: DMat2, outline: &[DVec2]) -> DVec2 {
+    let towards = view.towards_m(centroid_m);
+    let growth =
+        view.normal.truncate() / view.normal.dot(towards) - 4.0 * towards.truncate() / towards.length_squared();
+    let shift = spread_m2 * growth;
+    let reach_squared = outline.iter().map(|&p| p.distance_squared(centroid_m)).fold(0.0, f64::max);
     // On the horizon itself the factor's growth is infinite.
-    let shift = spread.clamp_length_max(MOST_SHIFT * reach_m);
-    Some(first + centroid + if shift.is_finite() { shift } else { DVec3::ZERO })
+    let shift = shift.clamp_length_max(MOST_SHIFT * reach_squared.sqrt());
+    centroid_m + if shift.is_finite() { shift } else { DVec2::ZERO }
 }

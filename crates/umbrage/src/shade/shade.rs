@@ -100,7 +100,7 @@ pub fn shade(
     };
     let everywhere = |_: &Mesh, _: PatchId| true;
     let gathered = refine(gathering, &places, &Indirect(irradiance), everywhere, smooth, progress)?;
-    let indirect = Interpolated::new(gathering, &places, &gathered.values);
+    let indirect = Interpolated::new(gathering, &gathered);
     let total = Total { direct: Direct(direct), indirect };
     let whole = RefineSettings {
         interpolation: Interpolation::Linear,
@@ -108,7 +108,7 @@ pub fn shade(
         mean,
         max_triangles: settings.max_triangles,
     };
-    let Refined { mut values, shifts, error } = refine(mesh, &places, &total, receives, whole, progress)?;
+    let Refined { mut values, shifts, error, .. } = refine(mesh, &places, &total, receives, whole, progress)?;
     values.shift(&shifts);
     for patch in mesh.triangulate() {
         tracing::warn!(?patch, "a patch thinner than rounding is not shown");

@@ -9,10 +9,10 @@ use crate::id::{FaceId, PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::scene::{Rgb, Scene};
-use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility};
+use crate::visibility::{FlatSource, ReceiverPoint, Visibility};
 
 use super::fit::Linear;
-use super::form_factor::point_to_visible_part;
+use super::form_factor::factor_of_seen;
 use super::lamps::Lamps;
 use super::sample;
 use rayon::prelude::*;
@@ -20,7 +20,7 @@ use rayon::prelude::*;
 /// An emitting face.
 #[derive(Clone, Debug)]
 struct Emitter {
-    polygon: SourcePolygon,
+    polygon: FlatSource,
     /// Emitted exitance, in W/m2.
     exitance: Rgb,
 }
@@ -40,10 +40,7 @@ impl<'a> DirectLight<'a> {
         let material = |face: FaceId| &scene.materials[prepared.faces[face].material];
         let emitting = prepared.faces.keys().filter(|&face| material(face).emits());
         let emitters = emitting
-            .map(|face| Emitter {
-                polygon: SourcePolygon::of_face(prepared, face),
-                exitance: material(face).exitance(),
-            })
+            .map(|face| Emitter { polygon: FlatSource::of_face(prepared, face), exitance: material(face).exitance() })
             .collect();
         let lamps = Lamps::new(scene, prepared);
         Self { prepared, visibility, emitters, lamps }
@@ -51,10 +48,7 @@ impl<'a> DirectLight<'a> {
 
     /// Irradiance at a point, in W/m2.
     pub fn at(&self, receiver: &ReceiverPoint) -> Rgb {
-        let from = |emitter: &Emitter| {
-            let part = self.visibility.visible_part(receiver, &emitter.polygon);
-            emitter.exitance * point_to_visible_part(receiver.position_m, receiver.normal, &part)
-        };
+        let from = |emitter: &Emitter| emitter.exitance * factor_of_seen(self.visibility, receiver, &emitter.polygon);
         self.emitters.iter().map(from).sum::<Rgb>() + self.lamps.at(self.visibility, receiver)
     }
 

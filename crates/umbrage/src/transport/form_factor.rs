@@ -10,10 +10,10 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::geometry::{Plane, clip};
-use crate::visibility::VisiblePart;
+use crate::visibility::{FlatSource, PlaneView, ReceiverPoint, Visibility};
 
 /// Lambert's sum over one oriented contour, seen from `position_m` with the unit normal `normal`: positive where the
 /// contour runs counter-clockwise seen from its front, and the point is in front. The contour lies above the horizon.
@@ -41,15 +41,30 @@ pub fn point_to_polygon(position_m: DVec3, normal: DVec3, corners_m: &[DVec3]) -
     contour_factor(position_m, normal, &above).max(0.0)
 }
 
-/// The factor of a point with the unit normal `normal` to what it sees of a source.
-pub fn point_to_visible_part(position_m: DVec3, normal: DVec3, part: &VisiblePart) -> f64 {
-    match part {
-        VisiblePart::Nothing => 0.0,
-        VisiblePart::Whole(corners_m) => contour_factor(position_m, normal, corners_m).max(0.0),
-        VisiblePart::Part(contours) => {
-            contours.iter().map(|c| contour_factor(position_m, normal, c)).sum::<f64>().max(0.0)
+/// The factor of a point to a polygon of a plane that it views, above its horizon: as [`contour_factor`], in two dimensions.
+pub fn factor_in_view(view: &PlaneView, corners_m: &[DVec2]) -> f64 {
+    let Some(&last) = corners_m.last() else { return 0.0 };
+    let (h, n) = (view.height_m, view.normal);
+    let mut sum = 0.0;
+    let mut from = last - view.foot_m;
+    for &corner in corners_m {
+        let to = corner - view.foot_m;
+        // The cross product of `to` and `from`, which both have the height `-h`.
+        let cross = DVec3::new(h * (from.y - to.y), h * (to.x - from.x), to.perp_dot(from));
+        let sine = cross.length();
+        if sine > 0.0 {
+            sum += sine.atan2(from.dot(to) + h * h) * n.dot(cross) / sine;
         }
+        from = to;
     }
+    sum / (2.0 * PI)
+}
+
+/// The factor of a point to what it sees of a source.
+pub fn factor_of_seen(visibility: &Visibility, receiver: &ReceiverPoint, source: &FlatSource) -> f64 {
+    let Some(view) = visibility.view(receiver, source) else { return 0.0 };
+    let seen = visibility.seen_past(receiver, view, source, usize::MAX).unwrap_or_default();
+    seen.measure(|corners_m| factor_in_view(&view, corners_m)).max(0.0)
 }
 
 /// A patch as the estimate sees it: a disc.
@@ -80,7 +95,7 @@ pub fn disc_estimate(receiver: &Disc, source: &Disc) -> f64 {
 mod tests {
     use super::*;
     use crate::id::FaceId;
-    use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility, fixture};
+    use crate::visibility::fixture;
     use proptest::prelude::*;
 
     /// A unit square over the origin's first quadrant, at height `z`, looking down.
@@ -170,10 +185,10 @@ mod tests {
         let blocker = [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])].map(|(x, y)| DVec3::new(x, y, z));
         let prepared = fixture::prepared(&[floor, blocker.to_vec(), square_above(1.0)]);
         let index = Visibility::new(&prepared);
-        let source = SourcePolygon::of_face(&prepared, FaceId::from(2));
+        let source = FlatSource::of_face(&prepared, FaceId::from(2));
         mean_over_unit_square(12, |x, y| {
             let receiver = ReceiverPoint::on_face(&prepared, FaceId::from(0), DVec3::new(x, y, 0.0));
-            point_to_visible_part(receiver.position_m, receiver.normal, &index.visible_part(&receiver, &source))
+            factor_of_seen(&index, &receiver, &source)
         })
     }
 

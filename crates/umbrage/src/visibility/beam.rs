@@ -14,24 +14,26 @@
 //!   ________\/_________ receiver
 //! ```
 //!
-//! How: the faces that the index finds in the beam are projected ([`super::project`]) to an integer grid in the source's
-//! plane, where their union is taken from the source exactly ([`super::shadow`]). The same point of space has the same
-//! grid point whatever face it belongs to, so faces that share an edge leave no hairline between them.
+//! How: the faces that the index finds in the beam are projected into the source's plane ([`super::view`]), where their shadows
+//! become convex parts that do not overlap ([`super::shadow`]). Whatever is additive, a factor or an area, is that of the
+//! source less those of the shadows. The same point of space has the same shadow whatever face it belongs to, so faces that
+//! share an edge leave no hairline between them.
 //!
-//! Holds after: contours run counter-clockwise seen from the source's front, holes clockwise, all in the source's plane
-//! and not below the receiver's horizon; what is wholly dark is [`VisiblePart::Nothing`], exactly.
+//! Holds after: all polygons are convex, counter-clockwise seen from the source's front, in the frame of its plane and not
+//! below the receiver's horizon; what is wholly dark has no outline, exactly.
 //!
 //! Faces in the plane of receiver or source never occlude; occluder corners nearer to the receiver's plane than the weld
 //! tolerance count as below it, so that nothing shines through beneath what stands on it.
 
 use std::ops::ControlFlow;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::Visibility;
-use super::project::SourceView;
-use super::shadow::{self, Cover};
-use crate::geometry::{Plane, clip};
+use super::shadow::{self, Rounding, Shadows};
+use super::view::{PlaneView, Window};
+use crate::geometry::convex::{self, Convex, Moments};
+use crate::geometry::{Plane, PlaneFrame};
 use crate::id::{FaceId, PlaneId};
 use crate::prepare::Prepared;
 
@@ -87,107 +89,130 @@ impl SourcePolygon {
     }
 }
 
-/// Closed oriented contours in space: outer ones counter-clockwise, holes clockwise.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Contours {
-    corners_m: Vec<DVec3>,
-    ends: Vec<u32>,
-}
-
-impl Contours {
-    /// Adds a contour.
-    pub fn push(&mut self, corners_m: impl IntoIterator<Item = DVec3>) {
-        self.corners_m.extend(corners_m);
-        self.ends.push(self.corners_m.len() as u32);
-    }
-
-    /// The contours, each a list of corners in metres.
-    pub fn iter(&self) -> impl Iterator<Item = &[DVec3]> {
-        let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(|(start, &end)| &self.corners_m[start as usize..end as usize])
-    }
-}
-
-/// What a receiver point sees of a source.
+/// A convex polygon that sends light, in the frame of its plane.
 #[derive(Clone, Debug, PartialEq)]
-pub enum VisiblePart {
-    /// Nothing: behind it, below the horizon, or wholly in shadow.
-    Nothing,
-    /// All that is above the horizon: no occluder takes anything.
-    Whole(Vec<DVec3>),
-    /// A part.
-    Part(Contours),
+pub struct FlatSource {
+    /// The frame, with the front towards which it sends.
+    pub frame: PlaneFrame,
+    /// Its corners, counter-clockwise seen from the front, in metres.
+    pub corners_m: Convex,
+    /// The plane that it lies in: the plane's faces do not shade it.
+    pub plane: PlaneId,
 }
+
+impl FlatSource {
+    /// The whole of `face`, in its own frame.
+    pub fn of_face(prepared: &Prepared, face: FaceId) -> Self {
+        Self::new(&SourcePolygon::of_face(prepared, face), prepared.face_frame(face))
+    }
+
+    /// A polygon in a frame of its plane.
+    pub fn new(polygon: &SourcePolygon, frame: PlaneFrame) -> Self {
+        let corners_m = polygon.corners_m.iter().map(|&corner_m| frame.to_2d(corner_m)).collect();
+        Self { frame, corners_m, plane: polygon.plane }
+    }
+}
+
+/// What a receiver point sees of a source: its part above the horizon, less shadows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// The part above the horizon; empty where nothing is seen.
+    pub outline: Convex,
+    /// Whether that is all of the source.
+    pub whole: bool,
+    /// What is in shadow: convex parts that do not overlap.
+    pub shadows: Shadows,
+}
+
+impl Seen {
+    /// Whether nothing is seen: behind the source, below the horizon, or wholly in shadow.
+    pub fn is_nothing(&self) -> bool {
+        self.outline.is_empty()
+    }
+
+    /// Of what is seen, a measure that adds up over parts of a polygon.
+    pub fn measure<T: std::ops::Sub<Output = T>>(&self, of: impl Fn(&[DVec2]) -> T) -> T {
+        self.shadows.iter().fold(of(&self.outline), |left, shadow| left - of(shadow))
+    }
+}
+
+/// Corners nearer to a line than this share of the extent of the source lie on it: far above rounding, and far below what is
+/// seen.
+const SLACK_OF_SOURCE: f64 = 4e-9;
 
 impl Visibility {
-    /// The part of `source` that `receiver` sees.
-    pub fn visible_part(&self, receiver: &ReceiverPoint, source: &SourcePolygon) -> VisiblePart {
-        // Never `None` where any number of shadows will do.
-        self.visible_part_past(receiver, source, usize::MAX).unwrap_or(VisiblePart::Nothing)
+    /// The view of a source's plane from a point, where the plane's front can be seen at all.
+    pub fn view(&self, receiver: &ReceiverPoint, source: &FlatSource) -> Option<PlaneView> {
+        if receiver.plane == source.plane { None } else { PlaneView::new(receiver, &source.frame) }
     }
 
-    /// The part of `source` that `receiver` sees, unless more than `most_shadows` occluders take something of it: then its
-    /// parts are quicker to look at one by one.
-    pub fn visible_part_past(
+    /// What `receiver` sees of `source`.
+    pub fn seen(&self, receiver: &ReceiverPoint, source: &FlatSource) -> Seen {
+        // Never `None` where any number of shadows will do.
+        self.view(receiver, source)
+            .and_then(|view| self.seen_past(receiver, view, source, usize::MAX))
+            .unwrap_or_default()
+    }
+
+    /// What `receiver` sees of `source`, unless more than `most_shadows` occluders take something of it: then its parts are
+    /// quicker to look at one by one.
+    pub fn seen_past(
         &self,
         receiver: &ReceiverPoint,
-        source: &SourcePolygon,
+        view: PlaneView,
+        source: &FlatSource,
         most_shadows: usize,
-    ) -> Option<VisiblePart> {
-        let position_m = receiver.position_m;
-        if receiver.plane == source.plane || source.oriented_plane.signed_distance_m(position_m) <= 0.0 {
-            return Some(VisiblePart::Nothing);
+    ) -> Option<Seen> {
+        let above = view.above_horizon(&source.corners_m);
+        let whole = above.is_none();
+        let outline = above.unwrap_or_else(|| source.corners_m.clone());
+        let [low_m, high_m] = convex::bounds_m(&outline);
+        let slack_m = SLACK_OF_SOURCE * (high_m - low_m).max_element();
+        let rounding = Rounding { slack_m, thin_m2: slack_m * convex::perimeter_m(&outline) };
+        let area_m2 = Moments::of(&outline).area_m2;
+        if outline.is_empty() || area_m2 <= rounding.thin_m2 {
+            return Some(Seen::default());
         }
-        let horizon = Plane::through(position_m, receiver.normal);
-        let above = clip::in_front_of(&source.corners_m, &horizon, 0.0);
-        let Some(view) = SourceView::new(position_m, horizon, source.oriented_plane, &above, self.tolerance().weld_m())
-        else {
-            return Some(VisiblePart::Nothing);
-        };
-        let mut shadows = Vec::new();
-        let mut dark = false;
+        let window = Window::new(receiver, &source.frame, view, &outline, self.tolerance().weld_m(), rounding);
+        let mut shadows = Shadows::new();
+        let mut most_m2: f64 = 0.0;
         self.walk(
-            |min_m, max_m| view.box_may_occlude(min_m, max_m),
+            |min_m, max_m| window.box_may_occlude(min_m, max_m),
             |face| {
                 let plane = self.plane(face);
                 if plane == receiver.plane || plane == source.plane {
                     return ControlFlow::Continue(());
                 }
-                if let Some(outline) = view.project(self.boundary_m(face)) {
-                    match shadow::cover(&outline, view.source()) {
-                        Cover::All => {
-                            dark = true;
-                            return ControlFlow::Break(());
-                        }
-                        Cover::None => {}
-                        Cover::Some => shadows.push(outline),
-                    }
+                if let Some((shadow, shadow_m2)) = window.shadow(self.boundary_m(face)) {
+                    most_m2 = shadow_m2.max(most_m2);
+                    shadows.push(shadow);
                 }
-                if shadows.len() > most_shadows { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                let enough = shadows.len() > most_shadows || most_m2 >= area_m2 - rounding.thin_m2;
+                if enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             },
         );
-        if dark {
-            return Some(VisiblePart::Nothing);
+        if most_m2 >= area_m2 - rounding.thin_m2 {
+            return Some(Seen::default());
         }
         if shadows.len() > most_shadows {
             return None;
         }
-        if shadows.is_empty() {
-            return Some(VisiblePart::Whole(above));
+        let shadows = shadow::without_overlap(&outline, shadows, rounding);
+        let dark_m2: f64 = shadows.iter().map(|shadow| Moments::of(shadow).area_m2).sum();
+        if area_m2 - dark_m2 <= THIN_LIT * rounding.thin_m2 {
+            return Some(Seen::default());
         }
-        let mut lit = Contours::default();
-        for contour in shadow::source_minus_shadows(view.source(), &shadows) {
-            lit.push(contour.into_iter().map(|p| view.to_3d(p)));
-        }
-        Some(if lit.ends.is_empty() { VisiblePart::Nothing } else { VisiblePart::Part(lit) })
+        Some(Seen { outline, whole, shadows })
     }
 }
+
+/// A region is lit from so many times the area on that is rounding: each shadow beside it may be as much too small.
+const THIN_LIT: f64 = 4.0;
 
 #[cfg(test)]
 mod tests {
     use super::super::fixture::{self, square};
     use super::*;
-    use crate::geometry::polygon;
     use glam::DQuat;
     use proptest::prelude::*;
 
@@ -195,35 +220,32 @@ mod tests {
     struct Stage {
         prepared: Prepared,
         index: Visibility,
-        source: SourcePolygon,
+        source: FlatSource,
     }
 
     fn stage(polygons: &[Vec<DVec3>]) -> Stage {
         let prepared = fixture::prepared(polygons);
         let index = Visibility::new(&prepared);
         let last = FaceId::from(prepared.faces.len() - 1);
-        let source = SourcePolygon::of_face(&prepared, last);
+        let source = FlatSource::of_face(&prepared, last);
         Stage { prepared, index, source }
     }
 
     impl Stage {
-        fn seen_from(&self, face: usize, near: DVec3) -> VisiblePart {
+        fn seen_from(&self, face: usize, near: DVec3) -> Seen {
             let receiver = ReceiverPoint::on_face(&self.prepared, FaceId::from(face), near);
-            self.index.visible_part(&receiver, &self.source)
+            self.index.seen(&receiver, &self.source)
         }
 
         fn share_from_face(&self, face: usize, near: DVec3) -> f64 {
-            area_m2(&self.seen_from(face, near), self.source.oriented_plane.normal)
-                / polygon::area_m2(&self.source.corners_m)
+            let area_m2 = |corners: &[DVec2]| Moments::of(corners).area_m2;
+            self.seen_from(face, near).measure(area_m2) / area_m2(&self.source.corners_m)
         }
-    }
 
-    fn area_m2(part: &VisiblePart, normal: DVec3) -> f64 {
-        let signed = |corners: &[DVec3]| 0.5 * polygon::doubled_area_vector(corners).dot(normal);
-        match part {
-            VisiblePart::Nothing => 0.0,
-            VisiblePart::Whole(corners) => signed(corners),
-            VisiblePart::Part(contours) => contours.iter().map(signed).sum(),
+        /// Whether all of the source is seen and nothing shades it.
+        fn is_all_seen(&self, face: usize, near: DVec3) -> bool {
+            let seen = self.seen_from(face, near);
+            seen.whole && seen.shadows.is_empty() && seen.outline == self.source.corners_m
         }
     }
 
@@ -238,14 +260,14 @@ mod tests {
     #[test]
     fn nothing_between_leaves_the_whole() {
         let stage = stage(&[floor(), lamp()]);
-        assert_eq!(stage.seen_from(0, DVec3::X), VisiblePart::Whole(lamp()));
+        assert!(stage.is_all_seen(0, DVec3::X));
     }
 
     #[test]
     fn behind_the_source_and_in_its_plane_nothing_is_seen() {
         let stage = stage(&[floor(), square(DVec3::new(2.0, 0.0, 3.0), 1.0, true), square(DVec3::Z * 3.0, 0.5, true)]);
-        assert_eq!(stage.seen_from(0, DVec3::X), VisiblePart::Nothing);
-        assert_eq!(stage.seen_from(1, DVec3::new(2.0, 0.0, 3.0)), VisiblePart::Nothing);
+        assert!(stage.seen_from(0, DVec3::X).is_nothing());
+        assert!(stage.seen_from(1, DVec3::new(2.0, 0.0, 3.0)).is_nothing());
     }
 
     #[test]
@@ -259,13 +281,13 @@ mod tests {
     #[test]
     fn a_plate_with_the_sources_outline_makes_it_exactly_dark() {
         let stage = stage(&[floor(), square(DVec3::Z * 1.5, 0.25, true), lamp()]);
-        assert_eq!(stage.seen_from(0, DVec3::ZERO), VisiblePart::Nothing);
+        assert!(stage.seen_from(0, DVec3::ZERO).is_nothing());
     }
 
     #[test]
     fn faces_in_the_sources_plane_do_not_shade() {
         let stage = stage(&[floor(), square(DVec3::new(0.25, 0.0, 3.0), 0.5, false), lamp()]);
-        assert_eq!(stage.seen_from(0, DVec3::X), VisiblePart::Whole(lamp()));
+        assert!(stage.is_all_seen(0, DVec3::X));
     }
 
     #[test]
@@ -306,7 +328,7 @@ mod tests {
             turn in rotation(), x in -0.4999..0.6999, y in -0.2999..0.5999, lift in -2e-6..2e-6,
         ) {
             let stage = standing_box(turn, lift);
-            prop_assert_eq!(stage.seen_from(0, turn * DVec3::new(x, y, 0.0)), VisiblePart::Nothing);
+            prop_assert!(stage.seen_from(0, turn * DVec3::new(x, y, 0.0)).is_nothing());
         }
 
         #[test]
@@ -320,7 +342,7 @@ mod tests {
             }
             polygons.push(lamp().iter().map(|&p| fixture::f32_point(tilt * p)).collect());
             let stage = stage(&polygons);
-            prop_assert_eq!(stage.seen_from(0, DVec3::new(x, y, 0.0)), VisiblePart::Nothing);
+            prop_assert!(stage.seen_from(0, DVec3::new(x, y, 0.0)).is_nothing());
         }
 
         #[test]
@@ -345,7 +367,7 @@ mod tests {
                 *p = fixture::f32_point(turn * *p);
             }
             let stage = stage(&polygons);
-            prop_assert_eq!(stage.seen_from(0, turn * DVec3::new(x, y, 0.0)), VisiblePart::Nothing);
+            prop_assert!(stage.seen_from(0, turn * DVec3::new(x, y, 0.0)).is_nothing());
         }
 
         #[test]

@@ -8,12 +8,14 @@ mod beam;
 #[cfg(test)]
 pub(crate) mod fixture;
 mod index;
-mod project;
 mod ray;
 mod shadow;
 mod shaft;
+mod view;
 mod wedge;
 
-pub use beam::{Contours, ReceiverPoint, SourcePolygon, VisiblePart};
+pub use beam::{FlatSource, ReceiverPoint, Seen, SourcePolygon};
 pub use index::Visibility;
 pub(crate) use shadow::FEW_SHADOWS;
+pub use shadow::Shadows;
+pub use view::PlaneView;

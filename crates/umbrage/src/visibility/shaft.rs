@@ -86,7 +86,7 @@ fn add_side_planes(inward: &mut Vec<Plane>, edges: &[DVec3], corners: &[DVec3], 
 #[cfg(test)]
 mod tests {
     use super::super::fixture::{self, square};
-    use super::super::{ReceiverPoint, VisiblePart};
+    use super::super::{FlatSource, ReceiverPoint};
     use super::*;
     use proptest::prelude::*;
 
@@ -120,7 +120,8 @@ mod tests {
             let [receiver, source] = [0, 1].map(|face| SourcePolygon::of_face(&prepared, FaceId::from(face)));
             if !index.may_be_blocked(&receiver, &source) {
                 let point = ReceiverPoint::on_face(&prepared, FaceId::from(0), DVec3::new(x, y, 0.0));
-                prop_assert!(matches!(index.visible_part(&point, &source), VisiblePart::Whole(_)));
+                let seen = index.seen(&point, &FlatSource::of_face(&prepared, FaceId::from(1)));
+                prop_assert!(seen.whole && seen.shadows.is_empty() && !seen.is_nothing());
             }
         }
     }

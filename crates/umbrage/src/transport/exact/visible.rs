@@ -29,8 +29,8 @@ use super::penumbra::{contains, penumbrae};
 use super::quadrature::TriangleRule;
 use super::{Exchange, polygon_to_polygon};
 use crate::geometry::{PlaneFrame, clip, polygon};
-use crate::transport::form_factor::point_to_visible_part;
-use crate::visibility::{ReceiverPoint, SourcePolygon, Visibility};
+use crate::transport::form_factor::factor_of_seen;
+use crate::visibility::{FlatSource, ReceiverPoint, SourcePolygon, Visibility};
 
 /// How long to go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,8 +51,8 @@ impl Default for Effort {
 const POINTS: [usize; 2] = [3, 4];
 /// Cells that are not in clear sight are cut at least so often.
 const LEAST_CUTS: u32 = 3;
-/// The visible part lies on a grid of 2^29 steps across the source: its factor is good to this share.
-const GRID_ROUNDING: f64 = 1e-8;
+/// What is lit or dark in a strip of 4e-9 of the source does not count: a factor is good to this share.
+const STRIP_ROUNDING: f64 = 1e-8;
 
 /// The form factor from `receiver` to what it sees of `source`, past the faces of the scene that `visibility` indexes.
 pub fn visible_polygon_to_polygon(
@@ -87,6 +87,7 @@ pub fn visible_polygon_to_polygon(
         visibility,
         receiver: &front,
         source: &source,
+        flat_source: FlatSource::new(&source, PlaneFrame::new(source.oriented_plane, source.corners_m[0])),
         rules: POINTS.map(TriangleRule::new),
         hints: &hints,
         open: BinaryHeap::new(),
@@ -96,7 +97,7 @@ pub fn visible_polygon_to_polygon(
     integration.run(effort, area_m2);
     let sum = integration.sum();
     let factor = (sum.value / area_m2).max(0.0);
-    Exchange { factor, error_bound: sum.error / area_m2 + GRID_ROUNDING * factor }
+    Exchange { factor, error_bound: sum.error / area_m2 + STRIP_ROUNDING * factor }
 }
 
 /// A cell with its integral.
@@ -132,6 +133,7 @@ struct Integration<'a> {
     visibility: &'a Visibility,
     receiver: &'a SourcePolygon,
     source: &'a SourcePolygon,
+    flat_source: FlatSource,
     rules: [TriangleRule; 2],
     hints: &'a Hints,
     /// Cells that may be cut further.
@@ -212,7 +214,7 @@ impl Integration<'_> {
         let plane = &self.receiver.oriented_plane;
         let position_m = plane.project(near_m);
         let point = ReceiverPoint { position_m, normal: plane.normal, plane: self.receiver.plane };
-        point_to_visible_part(position_m, plane.normal, &self.visibility.visible_part(&point, self.source))
+        factor_of_seen(self.visibility, &point, &self.flat_source)
     }
 
     /// What the points of a rule may have missed in penumbrae that none of them lies in: area times factor.
