@@ -164,3 +164,40 @@ fn worst(mut errors: Vec<(PatchId, f64)>, total: f64, target: f64, room: usize) 
     }
     marked
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::id::Table;
+    use crate::mesh::MeshSettings;
+    use crate::visibility::{ReceiverPoint, fixture};
+    use glam::DVec3;
+
+    /// Light that grows without bound towards some points, each much fainter than the one before: they are refined one after
+    /// the other.
+    struct Spikes;
+
+    impl Field for Spikes {
+        fn at(&self, _: &Mesh, point: &ReceiverPoint, _: PatchId) -> Rgb {
+            let spike = |k: i32| {
+                let at_m = DVec3::new(0.31, 0.17, 0.0) + 0.13 * DVec3::new(f64::from(k % 3), f64::from(k / 3), 0.0);
+                10.0_f64.powi(-8 * k) / (point.position_m.distance(at_m) + 1e-9)
+            };
+            Rgb::splat((0..6).map(spike).sum())
+        }
+    }
+
+    #[test]
+    fn all_leaves_were_looked_at_though_rounds_ran_out() {
+        let prepared = fixture::prepared(&[fixture::square(DVec3::ZERO, 1.0, true)]);
+        for interpolation in [Interpolation::Linear, Interpolation::Quadratic] {
+            let mut mesh = Mesh::new(&prepared, &Table::new(), MeshSettings::default());
+            let settings = RefineSettings { interpolation, tolerance: 1e-60, mean: 1.0, max_triangles: usize::MAX };
+            let places = Places::new(&prepared);
+            let refined = refine(&mut mesh, &places, &Spikes, |_, _| true, settings, Progress::silent()).unwrap();
+            let (unseen, seen): (Vec<PatchId>, Vec<PatchId>) =
+                mesh.leaves().partition(|leaf| refined.elements.get(leaf.index()).is_none_or(Vec::is_empty));
+            assert!(unseen.is_empty() && seen.len() > MOST_ROUNDS, "{} of {}", unseen.len(), seen.len());
+        }
+    }
+}
