@@ -1,8 +1,7 @@
 //! A field that is quadratic over the triangles of the leaves of a mesh: indirect light, which is smooth, is gathered at few
 //! points and interpolated at the many that direct light needs.
 //!
-//! Patches that share a leaf edge share its values, so that the field is continuous wherever its values are, but where a patch
-//! does without the points that smaller neighbours put on its boundary: there it jumps by what its interpolation errs.
+//! Patches that share a leaf edge share its values, so that the field is continuous wherever its values are.
 
 use glam::DVec2;
 

@@ -83,13 +83,8 @@ pub(super) fn refine(
         refined.elements.resize(mesh.patch_count(), Vec::new());
         let leaves: Vec<PatchId> = mesh.leaves().filter(|&leaf| receives(mesh, leaf)).collect();
         let large_m2 = LARGE_OF_ALL * leaves.iter().map(|&leaf| mesh.patch(leaf).area_m2).sum::<f64>();
-        // With more points the triangles are others. A parabola does without those that neighbours added: they lie on it
-        // where it is good enough.
-        let is_stale = |leaf: PatchId| {
-            known[leaf.index()].is_none_or(|points| {
-                settings.interpolation == Interpolation::Linear && points != mesh.boundary(leaf).len()
-            })
-        };
+        // With more points the triangles are others.
+        let is_stale = |leaf: PatchId| known[leaf.index()].is_none_or(|points| points != mesh.boundary(leaf).len());
         let stale: Vec<Outlined> =
             leaves.par_iter().filter(|leaf| is_stale(**leaf)).map(|&leaf| Outlined::of(mesh, leaf)).collect();
         let requests = stale.par_iter().flat_map_iter(|leaf| leaf.requests(mesh, places)).collect();
