@@ -148,11 +148,11 @@ mod tests {
     fn options_become_settings() {
         let coarse = Command::parse_from(["bake", "--tolerance", "none", "--max-triangles", "900"]).method.settings();
         assert_eq!(coarse.shade, ShadeSettings { tolerance: f64::INFINITY, max_triangles: 900 });
-        let line = "bake --max-form-factor 0.5 --min-area 2 --oracle brightness --score eq1 --no-discontinuities --keep-bad-shapes";
+        let line = "bake --max-form-factor 0.5 --min-area 2 --oracle form-factor --score eq1 --no-discontinuities --keep-bad-shapes";
         let settings = Command::parse_from(line.split(' ')).method.settings();
         assert_eq!(
             (settings.max_form_factor, settings.min_area_m2, settings.oracle, settings.score),
-            (Some(0.5), Some(2.0), OracleKind::Brightness, SplitScore::Eq1)
+            (Some(0.5), Some(2.0), OracleKind::FormFactor, SplitScore::Eq1)
         );
         assert!(!settings.discontinuities && !settings.prepare.cut_contacts && !settings.mend_bad_shapes);
         let settings = Command::parse_from(["bake", "--no-intersect", "--flat-shading"]).method.settings();

@@ -36,9 +36,9 @@ pub trait Oracle {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OracleKind {
     /// The paper's: the form factor estimate alone ([`FormFactorOracle`]).
-    #[default]
     FormFactor,
     /// The estimate, weighed by the light that a link carries ([`super::BrightnessOracle`]).
+    #[default]
     Brightness,
 }
 
