@@ -1,5 +1,7 @@
 //! d-segments: where on a face the radiosity function, or one of its derivatives, jumps (paper, section 3.2).
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
 use crate::id::{EdgeId, EmitterId, FaceId, LampId, PlaneId, VertexId};
@@ -115,6 +117,11 @@ pub struct DSegment {
 }
 
 impl DSegment {
+    /// The order of all d-segments: by face, then by what made them.
+    pub(super) fn by_face_and_event(&self, other: &Self) -> Ordering {
+        self.face.cmp(&other.face).then(self.event.cmp(&other.event))
+    }
+
     /// The part of the edge in a vertex-edge or edge-vertex event that makes this segment: where the rays to its two ends
     /// pass the edge, as shares of the edge from its first end, ascending. The rest of the edge is hidden, or casts on
     /// other faces. `None` for events that are not of one vertex and one edge.

@@ -58,7 +58,7 @@ pub fn find(
     let around = Surroundings { prepared, visibility, features: &features, wedges: &AtomicUsize::new(0) };
     let contacts = contact::contacts(prepared, |face: FaceId| features.receives[face]);
     segments.extend(contacts.into_iter().map(|segment| with_strength(&around, segment)));
-    segments.par_sort_by(|p, q| p.face.cmp(&q.face).then(p.event.cmp(&q.event)));
+    segments.par_sort_by(DSegment::by_face_and_event);
     Ok(Discontinuities { emitters: features.emitters, segments: segments.into(), wedges })
 }
 

@@ -11,7 +11,7 @@ pub(super) fn merge(mut segments: Vec<DSegment>, gap_m: f64) -> Vec<DSegment> {
     if segments.len() < 2 {
         return segments;
     }
-    segments.sort_by(|p, q| p.face.cmp(&q.face).then(p.event.cmp(&q.event)));
+    segments.sort_by(DSegment::by_face_and_event);
     let mut merged = Vec::with_capacity(segments.len());
     for group in segments.chunk_by(|p, q| p.face == q.face && p.event == q.event) {
         unite(group, gap_m, &mut merged);

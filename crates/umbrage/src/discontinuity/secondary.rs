@@ -48,7 +48,7 @@ pub fn find_secondary(
     }
     let features = Features::new(&Scene { materials, ..Scene::default() }, &lit);
     let (mut segments, _) = traced(&lit, visibility, &features, least, progress)?;
-    segments.sort_by(|p, q| p.face.cmp(&q.face).then(p.event.cmp(&q.event)));
+    segments.sort_by(DSegment::by_face_and_event);
     Ok(segments.into())
 }
 

@@ -187,20 +187,19 @@ impl std::ops::Sub for Moments {
     }
 }
 
-/// A rectangle with sides along the axes, for tests.
+/// Polygons for tests.
 #[cfg(test)]
-pub(crate) fn rectangle(x: [f64; 2], y: [f64; 2]) -> Convex {
-    [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| DVec2::new(x[i], y[j])).into_iter().collect()
-}
-
-#[cfg(test)]
-mod tests {
+pub(crate) mod fixture {
     use super::*;
-    use crate::geometry::polygon;
     use proptest::prelude::*;
-    use smallvec::smallvec;
 
-    fn convex() -> impl Strategy<Value = Convex> {
+    /// A rectangle with sides along the axes.
+    pub(crate) fn rectangle(x: [f64; 2], y: [f64; 2]) -> Convex {
+        [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| DVec2::new(x[i], y[j])).into_iter().collect()
+    }
+
+    /// Regular polygons.
+    pub(crate) fn regular() -> impl Strategy<Value = Convex> {
         ((-1.0..1.0, -1.0..1.0), 0.2..2.0, 3..9usize, 0.0..1.0).prop_map(
             |((x, y), r, n, turn): ((f64, f64), f64, _, f64)| {
                 (0..n)
@@ -211,6 +210,15 @@ mod tests {
             },
         )
     }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fixture::{rectangle, regular};
+    use super::*;
+    use crate::geometry::polygon;
+    use proptest::prelude::*;
+    use smallvec::smallvec;
 
     fn area_m2(corners: &[DVec2]) -> f64 {
         polygon::signed_area_2d_m2(corners)
@@ -218,7 +226,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_line_divides_a_polygon_without_loss(p in convex(), a in -1.0..1.0, b in -1.0..1.0, angle in 0.0..6.3) {
+        fn a_line_divides_a_polygon_without_loss(p in regular(), a in -1.0..1.0, b in -1.0..1.0, angle in 0.0..6.3) {
             let line = Line::through(DVec2::new(a, b), DVec2::new(a, b) + DVec2::from_angle(angle));
             let parts = halves(&p, &line, 0.0);
             prop_assert!((area_m2(&parts[0]) + area_m2(&parts[1]) - area_m2(&p)).abs() < 1e-12);
@@ -227,7 +235,7 @@ mod tests {
         }
 
         #[test]
-        fn what_is_left_and_what_is_taken_make_up_the_whole(p in convex(), q in convex()) {
+        fn what_is_left_and_what_is_taken_make_up_the_whole(p in regular(), q in regular()) {
             let mut left = Vec::new();
             difference(p.clone(), &q, 1e-9, &mut left);
             let common = area_m2(&crate::geometry::clip::intersection(&p, &q));
@@ -236,7 +244,7 @@ mod tests {
         }
 
         #[test]
-        fn moments_add_up_and_tell_the_spread(p in convex(), angle in 0.0..6.3) {
+        fn moments_add_up_and_tell_the_spread(p in regular(), angle in 0.0..6.3) {
             let whole = Moments::of(&p);
             let [left, right] = halves(&p, &Line::through(p[0], p[0] + DVec2::from_angle(angle)), 0.0);
             let difference = whole - Moments::of(&left) - Moments::of(&right);

@@ -81,8 +81,8 @@ impl<'a> Irradiance<'a> {
         Self { visibility, reflected, roots, sources, mean: mean.element_sum() / 3.0 }
     }
 
-    /// Irradiance by reflection, in W/m2, at a point; below zero where what is reflected is a change for less, or falls so
-    /// steeply that its linear fit does.
+    /// Irradiance by reflection, in W/m2, at a point; below zero where what is reflected falls so steeply that its linear fit
+    /// does.
     pub fn indirect(&self, receiver: &ReceiverPoint) -> Rgb {
         let mut sum = Rgb::ZERO;
         self.add_terms(receiver, &mut |term| sum += self.reflected.of(&term));

@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn what_is_covered_is_no_part() {
         let view = PlaneView { foot_m: DVec2::ZERO, height_m: 1.0, normal: -DVec3::Z };
-        let rectangle = convex::rectangle;
+        let rectangle = convex::fixture::rectangle;
         let shadows = vec![rectangle([-1.0, 0.0], [-1.0, 0.5]), rectangle([-1.0, 0.0], [0.5, 1.0])];
         let mut pieces = Pieces::new(&view);
         let part = pieces.part(rectangle([-1.0, 1.0], [-1.0, 1.0]), shadows);

@@ -73,7 +73,7 @@ fn add_parts(outline: &[DVec2], shadows: Shadows, rounding: Rounding, halvings: 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::convex::rectangle;
+    use crate::geometry::convex::fixture::rectangle;
 
     const ROUNDING: Rounding = Rounding { slack_m: 1e-9, thin_m2: 1e-9 };
 
