@@ -85,13 +85,28 @@ fn a_furnace_glows_evenly() {
     assert!((squares / area).sqrt() / 2.0 < 0.01, "rms {}", (squares / area).sqrt() / 2.0);
 }
 
-#[test]
-fn one_and_two_threads_bake_the_same_bytes() {
-    let scene = scene("occluder");
+/// The bytes of the baked file must not depend on how many threads made it: more than there are cores change who waits for whom.
+fn holds_whatever_the_threads(scene: &Scene, tolerance: f64) {
+    let shade = ShadeSettings { tolerance, ..ShadeSettings::default() };
+    let settings = BakeSettings { shade, ..BakeSettings::default() };
     let bytes = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let baked = pool.install(|| baked(&scene));
-        umbrage_formats::baked_glb_bytes(&scene, &baked.mesh, &umbrage_formats::BakeFacts::default()).unwrap()
+        let baked = pool.install(|| bake(scene, &settings, Progress::silent()).unwrap());
+        assert!(baked.report.triangles > 300, "{:?}", baked.report);
+        umbrage_formats::baked_glb_bytes(scene, &baked.mesh, &umbrage_formats::BakeFacts::default()).unwrap()
     };
-    assert_eq!(bytes(1), bytes(2));
+    let alone = bytes(1);
+    for threads in [2, 3, 8] {
+        assert!(bytes(threads) == alone, "{threads} threads");
+    }
+}
+
+#[test]
+fn any_number_of_threads_bakes_the_same_cornell_box() {
+    holds_whatever_the_threads(&cornell::cornell_box(), 0.02);
+}
+
+#[test]
+fn any_number_of_threads_bakes_the_same_touching_boxes() {
+    holds_whatever_the_threads(&scene("touching"), 0.02);
 }
