@@ -4,9 +4,10 @@
 mod common;
 
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
-use umbrage::bake::{Bake, BakeSettings, bake};
-use umbrage::progress::Progress;
+use umbrage::bake::{Bake, BakeError, BakeSettings, bake};
+use umbrage::progress::{Cancelled, Progress, Stage, Update};
 use umbrage::scene::{Scene, cornell};
 use umbrage::shade::ShadeSettings;
 
@@ -109,4 +110,16 @@ fn any_number_of_threads_bakes_the_same_cornell_box() {
 #[test]
 fn any_number_of_threads_bakes_the_same_touching_boxes() {
     holds_whatever_the_threads(&scene("touching"), 0.02);
+}
+
+#[test]
+fn every_stage_can_be_cancelled() {
+    for stage in [Stage::Prepare, Stage::Discontinuity, Stage::Transport, Stage::Solve, Stage::Shade] {
+        let stop = |update: Update| match update.stage == stage {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        let error = bake(&scene("occluder"), &BakeSettings::default(), Progress::new(&stop)).unwrap_err();
+        assert_eq!(error, BakeError::Cancelled(Cancelled), "{stage}");
+    }
 }
