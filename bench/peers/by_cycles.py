@@ -1,121 +1,21 @@
-"""Bakes a scene with Blender's Cycles, as a denoised lightmap and into vertices, and with Umbrage: seconds and error of each.
+"""Cycles of Blender: a lightmap, the same with Open Image Denoise, and light at the vertices of an evenly cut mesh."""
 
-Error is the relative root mean square error of the irradiance at the points of testdata/reference, as docs/convergence.md has it.
-Seconds are those of baking and denoising alone for Cycles, and of the whole process for Umbrage. Both use all processors.
-"""
-
-import argparse
-import json
 import math
-import pathlib
-import struct
-import subprocess
-import sys
-import tempfile
 import time
 
 import numpy as np
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-SCENES = ["cornell", "touching", "occluder"]
-# A triangle further from a point is not its own (share of the extent), nor one that looks another way (cosine).
-ON_PLANE_OF_EXTENT = 1e-4
-SAME_WAY = 0.999
-# A point may lie outside of its triangle by this share of it: corners are rounded.
-OUTSIDE = 1e-3
+from points import ROOT, error, error_of_triangles, located, reference
 
 
-def reference(scene):
-    """Positions, normals, irradiance."""
-    rows = np.loadtxt(ROOT / "testdata/reference" / f"{scene}.csv", delimiter=",", skiprows=1)
-    return rows[:, 0:3], rows[:, 3:6], rows[:, 6:9]
-
-
-def located(corners, points, normals):
-    """For each point the triangle that it lies deepest in, and its barycentric coordinates there; -1 where there is none."""
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    doubled = np.maximum(np.linalg.norm(across, axis=1), 1e-30)
-    unit = across / doubled[:, None]
-    extent = np.ptp(corners.reshape(-1, 3), axis=0).max()
-    found, weights = np.full(len(points), -1), np.zeros((len(points), 3))
-    for i, (point, normal) in enumerate(zip(points, normals)):
-        near = np.abs(np.einsum("ij,ij->i", point - corners[:, 0], unit)) < ON_PLANE_OF_EXTENT * extent
-        own = np.nonzero(near & (unit @ normal > SAME_WAY))[0]
-        if len(own) == 0:
-            continue
-        to = corners[own] - point
-        parts = [np.cross(to[:, (k + 1) % 3], to[:, (k + 2) % 3]) for k in range(3)]
-        w = np.stack([np.einsum("ij,ij->i", p, unit[own]) / doubled[own] for p in parts], axis=1)
-        best = w.min(axis=1).argmax()
-        if w[best].min() > -OUTSIDE:
-            found[i], weights[i] = own[best], np.clip(w[best], 0, 1)
-    return found, weights
-
-
-def error(shown, truth, covered):
-    """Relative root mean square error over points and colours."""
-    if covered.mean() < 0.995:
-        sys.exit(f"only {covered.sum()} of {len(covered)} reference points are on the mesh")
-    return math.sqrt(((shown - truth)[covered] ** 2).mean()) / truth.mean()
-
-
-# ---------------------------------------------------------------------------------------------------------------- Umbrage
-
-
-def glb_triangles(path):
-    """Corners in the world and irradiance of the triangles of a baked GLB."""
-    data = path.read_bytes()
-    (length,) = struct.unpack_from("<I", data, 12)
-    gltf = json.loads(data[20 : 20 + length])
-    binary = data[20 + length + 8 :]
-
-    def table(index):
-        accessor = gltf["accessors"][index]
-        view = gltf["bufferViews"][accessor["bufferView"]]
-        kind = {5125: np.uint32, 5126: np.float32}[accessor["componentType"]]
-        width = {"SCALAR": 1, "VEC3": 3}[accessor["type"]]
-        start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
-        if view.get("byteStride", width * 4) != width * 4:
-            sys.exit(f"{path}: strides are not understood")
-        return np.frombuffer(binary, kind, accessor["count"] * width, start).reshape(-1, width)
-
-    corners, light = [], []
-
-    def walk(number, offset):
-        node = gltf["nodes"][number]
-        if set(node) & {"matrix", "rotation", "scale"}:
-            sys.exit(f"{path}: only translations are understood")
-        offset = offset + np.array(node.get("translation", [0, 0, 0]))
-        for primitive in gltf["meshes"][node["mesh"]]["primitives"] if "mesh" in node else []:
-            indices = table(primitive["indices"]).reshape(-1, 3)
-            corners.append(table(primitive["attributes"]["POSITION"])[indices].astype(float) + offset)
-            light.append(table(primitive["attributes"]["_IRRADIANCE"])[indices].astype(float))
-        for child in node.get("children", []):
-            walk(child, offset)
-
-    for number in gltf["scenes"][gltf.get("scene", 0)]["nodes"]:
-        walk(number, np.zeros(3))
-    return np.concatenate(corners), np.concatenate(light)
-
-
-def by_umbrage(program, scene, tolerance):
-    """Seconds, error, triangles."""
-    points, normals, truth = reference(scene)
-    with tempfile.TemporaryDirectory() as folder:
-        baked = pathlib.Path(folder) / "baked.glb"
-        begin = time.perf_counter()
-        subprocess.run(
-            [program, "bake", "--quiet", ROOT / f"testdata/scenes/{scene}.glb", "-o", baked, "--tolerance", str(tolerance)],
-            check=True,
-        )
-        seconds = time.perf_counter() - begin
-        corners, light = glb_triangles(baked)
-    found, weights = located(corners, points, normals)
-    shown = np.einsum("ij,ijk->ik", weights, light[found])
-    return seconds, error(shown, truth, found >= 0), len(corners)
-
-
-# ----------------------------------------------------------------------------------------------------------------- Cycles
+def rows(scene, umbrage, args):
+    """What there is to tell of a scene: by whom, seconds, error, of what."""
+    baking, denoising, clean, noisy = by_lightmap(scene, args.size, args.samples)
+    texels = f"{args.size} x {args.size} texels, {args.samples} paths each"
+    yield "Cycles, lightmap", baking, noisy, texels
+    yield "Cycles, denoised", baking + denoising, clean, texels
+    seconds, wrong, made = by_vertices(scene, 2 * len(umbrage.triangles), args.vertex_samples)
+    yield "Cycles, vertices", seconds, wrong, f"{made} triangles, {args.vertex_samples} paths each corner"
 
 
 def diffuse_only(bpy, material):
@@ -253,38 +153,5 @@ def by_vertices(scene, most_triangles, samples):
     thing.data.attributes.active_color = layer
     seconds = bake(bpy, "VERTEX_COLORS", 0)
     light = np.array([corner.color[:3] for corner in thing.data.color_attributes["light"].data])
-    points, normals, truth = reference(scene)
     corners, loops = triangles_of(bpy)
-    found, weights = located(corners, points, normals)
-    shown = math.pi * np.einsum("ij,ijk->ik", weights, light[loops[found]])
-    return seconds, error(shown, truth, found >= 0), len(corners)
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--scenes", default="cornell,touching", help="with commas between: " + ", ".join(SCENES))
-    parser.add_argument("--size", type=int, default=512, help="texels on a side of the lightmap")
-    parser.add_argument("--samples", type=int, default=64, help="paths from each texel or vertex")
-    parser.add_argument("--vertex-samples", type=int, default=256, help="paths from each vertex")
-    parser.add_argument("--tolerance", type=float, default=0.01, help="of Umbrage")
-    parser.add_argument("--umbrage", default=ROOT / "target/release/umbrage", help="the program")
-    args = parser.parse_args()
-    rows = [["scene", "by", "seconds", "error", "of what"]]
-    for scene in args.scenes.split(","):
-        seconds, wrong, triangles = by_umbrage(args.umbrage, scene, args.tolerance)
-        rows.append([scene, "Umbrage", f"{seconds:.2f}", f"{wrong:.2%}", f"{triangles} triangles"])
-        baking, denoising, clean, noisy = by_lightmap(scene, args.size, args.samples)
-        texels = f"{args.size} x {args.size} texels, {args.samples} paths each"
-        rows.append([scene, "Cycles, lightmap", f"{baking:.2f}", f"{noisy:.2%}", texels])
-        rows.append([scene, "Cycles, denoised", f"{baking + denoising:.2f}", f"{clean:.2%}", texels])
-        seconds, wrong, made = by_vertices(scene, 2 * triangles, args.vertex_samples)
-        what = f"{made} triangles, {args.vertex_samples} paths each corner"
-        rows.append([scene, "Cycles, vertices", f"{seconds:.2f}", f"{wrong:.2%}", what])
-    widths = [max(len(row[i]) for row in rows) for i in range(5)]
-    rows.insert(1, ["-" * width for width in widths])
-    for row in rows:
-        print("| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths)) + " |")
-
-
-if __name__ == "__main__":
-    main()
+    return seconds, error_of_triangles(scene, corners, math.pi * light[loops]), len(corners)
