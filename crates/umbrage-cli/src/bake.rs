@@ -118,7 +118,7 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     let written = written.map_or_else(|| write(&step), Ok)?;
     if !step.is_asked {
         output::warning(&format!(
-            "the time limit came before tolerance {}: {} has {}. A longer --time-limit gets nearer to it",
+            "the time limit is too short for tolerance {}: {} has {}. A longer --time-limit gets nearer to it",
             args.method.settings().shade.tolerance,
             args.output.display(),
             quality(&step)
@@ -137,10 +137,10 @@ fn last_moment(begin: Instant, limit: Duration) -> Option<Instant> {
 /// How good a step is.
 fn quality(step: &Step) -> String {
     format!(
-        "the light at tolerance {}, {}, whose error between vertices is estimated at {:.2} % of the mean light",
+        "the light at tolerance {}, in error by {:.2} % of the mean light between vertices (estimate), with {}",
         step.settings.shade.tolerance,
-        summary::count(step.bake.report.triangles, "triangle"),
-        100.0 * step.bake.report.error
+        100.0 * step.bake.report.error,
+        summary::count(step.bake.report.triangles, "triangle")
     )
 }
 

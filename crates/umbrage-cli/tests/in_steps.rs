@@ -63,7 +63,7 @@ fn what_a_limit_allows_is_the_bake_of_the_tolerance_that_it_names() {
     assert!(begin.elapsed() < Duration::from_secs(11), "{:?}", begin.elapsed());
     assert_eq!(ended.status.code(), Some(0), "{}", err(&ended));
     let tolerance = tolerance_in(&limited);
-    let warning = format!("warning: the time limit came before tolerance {OUT_OF_REACH}");
+    let warning = format!("warning: the time limit is too short for tolerance {OUT_OF_REACH}");
     assert!(err(&ended).starts_with(&warning), "{}", err(&ended));
     assert!(err(&ended).contains(&format!("at tolerance {tolerance}")), "{}", err(&ended));
     let line = ["--tolerance", &tolerance.to_string()];
