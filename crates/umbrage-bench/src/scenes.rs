@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use umbrage::scene::Scene;
 use umbrage_bench::box_field;
-use umbrage_formats::read_scene;
+use umbrage_formats::{Overrides, ReadOptions, read_scene_with};
 
 use crate::positive;
 
@@ -76,7 +76,14 @@ pub(crate) fn scene(name: &str) -> anyhow::Result<Scene> {
             "{name} is neither a file nor one of: cornell, touching, occluder, room, home, field-N (boxes of N faces in all)"
         );
     }
-    let (scene, warnings) = read_scene(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let options = ReadOptions::default();
+    let unread = || format!("cannot read {}", path.display());
+    let (mut scene, mut warnings) = read_scene_with(&path, &options).with_context(unread)?;
+    // As `umbrage bake` does it.
+    let beside = Overrides::path_beside(&path);
+    if beside.exists() {
+        warnings.extend(Overrides::read(&beside)?.apply(&mut scene, options.max_reflectance)?);
+    }
     warnings.iter().for_each(|warning| crate::tell(&format!("{name}: {warning}")));
     Ok(scene)
 }
@@ -90,6 +97,11 @@ mod tests {
         for name in SMALL {
             assert!(scene(name).unwrap().polygon_count() > 2, "{name}");
         }
+    }
+
+    #[test]
+    fn light_that_is_said_beside_a_scene_is_in_it() {
+        assert!(scene("home").unwrap().materials.iter().any(|material| material.emits()));
     }
 
     #[test]
