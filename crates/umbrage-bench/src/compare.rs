@@ -52,6 +52,11 @@ fn describe(before: &Run, after: &Run) -> String {
     if before.tolerance != after.tolerance {
         text += "The tolerances differ: the bakes were not asked for the same.\n";
     }
+    for (name, run) in [("A", before), ("B", after)] {
+        for bake in &run.unfinished {
+            text += &format!("{name}: {} with {} threads {}\n", bake.scene, bake.threads, bake.why);
+        }
+    }
     let pairs = pairs(before, after);
     format!("{text}\n{}\n{}", ratios(&pairs).text(), stages(&pairs).text())
 }

@@ -6,13 +6,13 @@ use std::hash::{DefaultHasher, Hasher};
 use std::io;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::{self, Command, Stdio};
 use std::time::Instant;
 
 use anyhow::{Context, bail};
 use clap::Args;
 use serde::{Deserialize, Serialize};
-use umbrage::bake::{BakeSettings, bake};
+use umbrage::bake::{BakeError, BakeSettings, bake};
 use umbrage::progress::Progress;
 use umbrage::scene::Scene;
 use umbrage::shade::{BakedMesh, ShadeSettings};
@@ -24,6 +24,8 @@ use crate::record::{Timed, Verified};
 use crate::scenes;
 use crate::usage;
 
+/// Exit code of a bake that the limit ended.
+const NOT_ENDED: i32 = 4;
 /// Points that are verified, and paths from each: the error is then known to about a tenth of a percent of the mean light.
 const CHECK: Settings = Settings { points: 1000, paths: 2048, seed: 1 };
 
@@ -36,9 +38,25 @@ pub(crate) struct OneArgs {
     tolerance: f64,
     #[arg(long)]
     threads: usize,
+    /// Seconds for reading, baking and making the bytes of the file
+    #[arg(long, value_parser = positive)]
+    limit: f64,
     /// Follow paths, too
     #[arg(long)]
     verify: bool,
+}
+
+/// A bake that is wanted.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Task<'a> {
+    /// Name or path.
+    pub(crate) scene: &'a str,
+    pub(crate) tolerance: f64,
+    pub(crate) threads: usize,
+    /// Seconds that it may take.
+    pub(crate) limit_s: f64,
+    /// Follow paths, too.
+    pub(crate) verify: bool,
 }
 
 /// What the process prints.
@@ -49,15 +67,20 @@ pub(crate) struct Answer {
 }
 
 /// Starts this program anew to bake a scene.
-pub(crate) fn in_a_process(scene: &str, tolerance: f64, threads: usize, verify: bool) -> anyhow::Result<Answer> {
+///
+/// # Errors
+/// Says why it left nothing; the process itself has told more on standard error.
+pub(crate) fn in_a_process(task: Task<'_>) -> anyhow::Result<Answer> {
+    let Task { scene, tolerance, threads, limit_s, verify } = task;
     let mut command = Command::new(this_program()?);
-    command.args(["one", &format!("--tolerance={tolerance}"), &format!("--threads={threads}")]);
-    command.args(verify.then_some("--verify")).args(["--", scene]);
+    command.arg("one").args([format!("--tolerance={tolerance}"), format!("--threads={threads}")]);
+    command.arg(format!("--limit={limit_s}")).args(verify.then_some("--verify")).args(["--", scene]);
     let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output()?;
-    if !output.status.success() {
-        bail!("{scene} with {threads} threads: {}", output.status);
+    match output.status.code() {
+        Some(0) => serde_json::from_slice(&output.stdout).context("its answer is not understood"),
+        Some(NOT_ENDED) => bail!("did not end in {limit_s} s"),
+        _ => bail!("failed: {}", output.status),
     }
-    serde_json::from_slice(&output.stdout).with_context(|| format!("{scene}: not understood"))
 }
 
 /// The file of this program; on Linux the very file that runs, though a new build may have taken its place.
@@ -71,8 +94,10 @@ fn this_program() -> anyhow::Result<PathBuf> {
 
 pub(crate) fn run(args: &OneArgs) -> anyhow::Result<()> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads).build()?;
-    let answer = pool.install(|| measured(args))?;
-    Ok(serde_json::to_writer(io::stdout().lock(), &answer)?)
+    match pool.install(|| measured(args)) {
+        Err(error) if matches!(error.downcast_ref(), Some(BakeError::Cancelled(_))) => process::exit(NOT_ENDED),
+        answer => Ok(serde_json::to_writer(io::stdout().lock(), &answer?)?),
+    }
 }
 
 fn measured(args: &OneArgs) -> anyhow::Result<Answer> {
@@ -80,7 +105,11 @@ fn measured(args: &OneArgs) -> anyhow::Result<Answer> {
     let scene = scenes::scene(&args.scene)?;
     let default = BakeSettings::default();
     let settings = BakeSettings { shade: ShadeSettings { tolerance: args.tolerance, ..default.shade }, ..default };
-    let baked = bake(&scene, &settings, Progress::silent())?;
+    let in_time = |_| match begin.elapsed().as_secs_f64() {
+        seconds if seconds > args.limit => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    };
+    let baked = bake(&scene, &settings, Progress::new(&in_time))?;
     let bytes = baked_glb_bytes(&scene, &baked.mesh, &BakeFacts::default())?;
     let report = baked.report;
     let timed = Timed {

@@ -21,12 +21,25 @@ pub(crate) struct Run {
     pub(crate) tolerance: f64,
     /// The scenes, in the order asked for.
     pub(crate) scenes: Vec<Measured>,
+    /// Bakes that left nothing to measure.
+    #[serde(default)]
+    pub(crate) unfinished: Vec<Unfinished>,
+}
+
+/// A bake that did not end in time, or failed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Unfinished {
+    /// Name or path.
+    pub(crate) scene: String,
+    pub(crate) threads: usize,
+    /// What came between.
+    pub(crate) why: String,
 }
 
 /// A scene, baked with several numbers of threads.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Measured {
-    /// Name or path.
+    /// Name or path, and the tolerance where it is one of its own: `room@0.03`.
     pub(crate) scene: String,
     /// Whether all bakes of it left the same bytes.
     pub(crate) same_bytes: bool,
@@ -81,7 +94,7 @@ pub(crate) struct Verified {
 impl Measured {
     /// The bake with the most threads.
     pub(crate) fn last(&self) -> &Timed {
-        // The suite makes a bake for every number of threads, of which there is one at least; `read` checks.
+        // The suite leaves scenes out that have none; `read` checks.
         &self.bakes[self.bakes.len() - 1]
     }
 
@@ -146,7 +159,14 @@ pub(crate) mod tests {
 
     pub(crate) fn run(scenes: Vec<Measured>) -> Run {
         let machine = Machine { cores: 2, cpu: "some".into(), system: "some".into() };
-        Run { date: "2026-01-02T03:04:05Z".into(), version: "0".into(), machine, tolerance: 0.01, scenes }
+        Run {
+            date: "2026-01-02T03:04:05Z".into(),
+            version: "0".into(),
+            machine,
+            tolerance: 0.01,
+            scenes,
+            unfinished: Vec::new(),
+        }
     }
 
     #[test]

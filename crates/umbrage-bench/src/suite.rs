@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use clap::Args;
 use jiff::{Timestamp, Unit};
 use umbrage::shade::ShadeSettings;
 
 use crate::machine::{Machine, version};
-use crate::measure::{self, Answer};
-use crate::record::{Measured, Run, Timed};
-use crate::scenes::{self, SMALL};
+use crate::measure::{self, Task};
+use crate::record::{Measured, Run, Timed, Unfinished};
+use crate::scenes::{self, SMALL, Wanted, field_polygons};
 use crate::table::{Table, grouped, percent, seconds};
 use crate::{positive, say, tell};
 
@@ -22,8 +22,9 @@ const MOST_BAKES: usize = 3;
 const LONG_S: f64 = 10.0;
 
 const HELP: &str = "\
-Scenes: cornell, touching, occluder, room, field-N (boxes of N faces in all, under three lamps; field-100000 takes long), or the \
-path of a scene. Each bake is a process of its own. Errors are by path tracing, as `umbrage verify` does it.";
+Scenes: cornell, touching, occluder, room, home, field-N (boxes of N faces in all, under three lamps), fields (those of 100, 1,000, \
+10,000 and 100,000), or the path of a scene; SCENE@T is baked at tolerance T. Each bake is a process of its own. Errors are by path \
+tracing, as `umbrage verify` does it. A bake that takes longer than the limit is recorded as one that did not end.";
 
 /// Bake scenes and store what it took
 #[derive(Debug, Args)]
@@ -35,6 +36,9 @@ pub(crate) struct SuiteArgs {
     /// The error that is asked for, as a share of the mean light
     #[arg(long, value_name = "T", value_parser = positive, default_value_t = ShadeSettings::default().tolerance)]
     tolerance: f64,
+    /// Seconds that a bake may take
+    #[arg(long, value_name = "S", value_parser = positive, default_value_t = 600.0)]
+    limit: f64,
     /// Where what was measured goes [default: bench-runs/DATE.json in the project]
     #[arg(short, long, value_name = "RUN.json")]
     output: Option<PathBuf>,
@@ -42,26 +46,28 @@ pub(crate) struct SuiteArgs {
 
 pub(crate) fn run(args: &SuiteArgs) -> anyhow::Result<()> {
     let date = Timestamp::now().round(Unit::Second)?.to_string();
-    let mut run =
-        Run { version: version(), machine: Machine::here(), tolerance: args.tolerance, scenes: Vec::new(), date };
+    let mut run = Run {
+        version: version(),
+        machine: Machine::here(),
+        tolerance: args.tolerance,
+        scenes: Vec::new(),
+        unfinished: Vec::new(),
+        date,
+    };
     let in_project = || scenes::in_project("bench-runs").join(format!("{}.json", run.date.replace(':', "")));
     let path = args.output.clone().unwrap_or_else(in_project);
-    let mut failed = Vec::new();
-    for name in &args.scenes {
-        tell(&format!("{name} ..."));
-        match measured(name, args.tolerance) {
-            Ok(measured) => run.scenes.push(measured),
-            Err(error) => {
-                tell(&format!("{name} failed: {error:#}"));
-                failed.push(name.as_str());
-            }
-        }
+    for wanted in args.scenes.iter().flat_map(|word| Wanted::of(word)) {
+        tell(&format!("{} ...", wanted.told));
+        let (measured, unfinished) = measured(&wanted, args);
+        unfinished.iter().for_each(|bake| tell(&describe_unfinished(bake)));
+        run.scenes.extend(measured);
+        run.unfinished.extend(unfinished);
         // A large scene may take hours: what was measured before it is kept whatever comes.
         run.write(&path)?;
     }
     say(&format!("{}\nWrote {}", describe(&run), path.display()))?;
-    if !failed.is_empty() {
-        bail!("not measured: {}", failed.join(", "));
+    if !run.unfinished.is_empty() {
+        bail!("not all was measured");
     }
     match run.scenes.iter().find(|scene| !scene.same_bytes) {
         Some(scene) => bail!("{}: not the same bytes every time", scene.scene),
@@ -69,49 +75,72 @@ pub(crate) fn run(args: &SuiteArgs) -> anyhow::Result<()> {
     }
 }
 
-/// Bakes a scene with each number of threads, and verifies it once.
-fn measured(name: &str, tolerance: f64) -> anyhow::Result<Measured> {
-    let (mut bakes, mut digests, mut verified) = (Vec::new(), Vec::new(), None);
-    for (round, threads) in THREADS.into_iter().enumerate() {
+/// Bakes a scene with each number of threads, the most first, and verifies it once; and which of these bakes left nothing.
+fn measured(wanted: &Wanted, args: &SuiteArgs) -> (Option<Measured>, Vec<Unfinished>) {
+    let (mut bakes, mut digests, mut verified, mut unfinished) = (Vec::new(), Vec::new(), None, Vec::new());
+    for threads in THREADS.into_iter().rev() {
+        let task = |verify: bool| Task {
+            scene: &wanted.name,
+            tolerance: wanted.tolerance.unwrap_or(args.tolerance),
+            threads,
+            limit_s: args.limit,
+            verify,
+        };
         let mut best: Option<Timed> = None;
         let mut spent_s = 0.0;
-        for again in 0..MOST_BAKES {
-            if again > 0 && spent_s > LONG_S {
+        for _ in 0..MOST_BAKES {
+            match measure::in_a_process(task(verified.is_none())) {
+                Ok(answer) => {
+                    verified = verified.or(answer.verified);
+                    digests.push(answer.timed.digest.clone());
+                    spent_s += answer.timed.seconds;
+                    if best.as_ref().is_none_or(|best| answer.timed.seconds < best.seconds) {
+                        best = Some(answer.timed);
+                    }
+                }
+                Err(error) => {
+                    let (scene, why) = (wanted.told.clone(), format!("{error:#}"));
+                    unfinished.push(Unfinished { scene, threads, why });
+                    break;
+                }
+            }
+            if spent_s > LONG_S {
                 break;
             }
-            // The check is done with the most threads.
-            let check = again == 0 && round + 1 == THREADS.len();
-            let Answer { timed, verified: found } = measure::in_a_process(name, tolerance, threads, check)?;
-            verified = verified.or(found);
-            spent_s += timed.seconds;
-            digests.push(timed.digest.clone());
-            if best.as_ref().is_none_or(|best| timed.seconds < best.seconds) {
-                best = Some(timed);
-            }
         }
-        bakes.extend(best);
+        match best {
+            Some(best) => bakes.insert(0, best),
+            // With fewer threads it would take longer still.
+            None => break,
+        }
     }
-    let verified = verified.context("nothing was verified")?;
     digests.dedup();
-    Ok(Measured { scene: name.into(), same_bytes: digests.len() == 1, verified, bakes })
+    let measured = verified.map(|verified| Measured {
+        scene: wanted.told.clone(),
+        same_bytes: digests.len() == 1,
+        verified,
+        bakes,
+    });
+    (measured, unfinished)
+}
+
+fn describe_unfinished(bake: &Unfinished) -> String {
+    format!("{} with {} threads {}", bake.scene, bake.threads, bake.why)
 }
 
 /// The run as tables.
 fn describe(run: &Run) -> String {
-    let Run { date, version, machine, tolerance, scenes } = run;
+    let Run { date, version, machine, tolerance, scenes, unfinished } = run;
     let mut text = format!(
-        "{date}, version {version}, {} cores of {}, {}, tolerance {tolerance}\n\n{}\n{}",
-        machine.cores,
-        machine.cpu,
-        machine.system,
-        results(scenes).text(),
-        times(scenes).text()
+        "{date}, version {version}, {} cores of {}, {}, tolerance {tolerance}\n",
+        machine.cores, machine.cpu, machine.system
     );
-    if let Some((time, memory)) = growth(scenes) {
-        text +=
-            &format!("\nFrom the smallest to the largest field, time grows with polygons to the power of {time:.2}");
-        text += &memory.map_or(String::new(), |memory| format!(", memory {memory:.2}"));
-        text += ".\n";
+    let growth = growth(scenes);
+    let tables = [(!scenes.is_empty()).then(|| results(scenes)), (!scenes.is_empty()).then(|| times(scenes)), growth];
+    tables.iter().flatten().for_each(|table| text += &format!("\n{}", table.text()));
+    if !unfinished.is_empty() {
+        let lines: Vec<String> = unfinished.iter().map(|bake| describe_unfinished(bake) + "\n").collect();
+        text += &format!("\n{}", lines.concat());
     }
     text
 }
@@ -168,15 +197,61 @@ fn mebibytes(bytes: u64) -> String {
     format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20))
 }
 
-/// The powers of the number of polygons with which time and memory grow from the smallest to the largest field of boxes;
-/// `None` where there are no two.
-fn growth(scenes: &[Measured]) -> Option<(f64, Option<f64>)> {
-    let fields = || scenes.iter().filter(|scene| scenes::field_polygons(&scene.scene).is_some()).map(Measured::last);
-    let (small, large) = (fields().min_by_key(|bake| bake.polygons)?, fields().max_by_key(|bake| bake.polygons)?);
-    let polygons = (large.polygons as f64 / small.polygons as f64).ln();
-    let power = |small: f64, large: f64| (large / small).ln() / polygons;
-    let memory = small.peak_bytes.zip(large.peak_bytes).map(|(small, large)| power(small as f64, large as f64));
-    (polygons > 0.0).then(|| (power(small.seconds, large.seconds), memory))
+/// The powers of the number of polygons with which time, memory and the rest grow over the fields of boxes, a row for each
+/// tolerance; `None` where there are no two fields.
+fn growth(scenes: &[Measured]) -> Option<Table> {
+    let mut of_tolerance: Vec<(String, Vec<&Timed>)> = Vec::new();
+    for scene in scenes {
+        let fields = Wanted::of(&scene.scene).into_iter().filter(|wanted| field_polygons(&wanted.name).is_some());
+        for field in fields {
+            let row = format!("fields{}", &field.told[field.name.len()..]);
+            match of_tolerance.iter_mut().find(|(name, _)| *name == row) {
+                Some((_, bakes)) => bakes.push(scene.last()),
+                None => of_tolerance.push((row, vec![scene.last()])),
+            }
+        }
+    }
+    let stages: Vec<&str> = of_tolerance
+        .first()
+        .and_then(|(_, bakes)| bakes.first())
+        .map_or(Vec::new(), |bake| bake.stage_seconds.iter().map(|(name, _)| name.as_str()).collect());
+    let mut table = Table::new(&[&["power of N", "time", "CPU", "memory", "links", "triangles"], &stages[..]].concat());
+    let mut is_empty = true;
+    for (name, bakes) in of_tolerance {
+        let of = |figure: &dyn Fn(&Timed) -> Option<f64>| {
+            let points = bakes.iter().filter_map(|bake| Some((bake.polygons as f64, figure(bake)?)));
+            power(&points.collect::<Vec<_>>())
+        };
+        let stage =
+            |name: &str| of(&|bake| bake.stage_seconds.iter().find(|(stage, _)| stage == name).map(|(_, s)| *s));
+        let Some(time) = of(&|bake| Some(bake.seconds)) else { continue };
+        let whole = [
+            Some(time),
+            of(&|bake| bake.cpu_seconds),
+            of(&|bake| bake.peak_bytes.map(|bytes| bytes as f64)),
+            of(&|bake| Some(bake.links as f64)),
+            of(&|bake| Some(bake.triangles as f64)),
+        ];
+        let powers = whole.into_iter().chain(stages.iter().map(|name| stage(name)));
+        let cells = powers.map(|power| power.map_or(String::new(), |power| format!("{power:.2}")));
+        table.row([name].into_iter().chain(cells).collect());
+        is_empty = false;
+    }
+    (!is_empty).then_some(table)
+}
+
+/// The power of `x` with which `y` grows: the slope of the straight line through logarithms that errs least in squares; `None`
+/// where there are no two different `x`, or something is not above 0.
+fn power(points: &[(f64, f64)]) -> Option<f64> {
+    if points.iter().any(|&(x, y)| !(x > 0.0 && y > 0.0)) {
+        return None;
+    }
+    let logarithms: Vec<(f64, f64)> = points.iter().map(|&(x, y)| (x.ln(), y.ln())).collect();
+    let mean = |of: fn(&(f64, f64)) -> f64| logarithms.iter().map(of).sum::<f64>() / points.len() as f64;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let spread: f64 = logarithms.iter().map(|p| (p.0 - x).powi(2)).sum();
+    let together: f64 = logarithms.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    (spread > 1e-9).then(|| together / spread)
 }
 
 #[cfg(test)]
@@ -185,16 +260,42 @@ mod tests {
     use crate::record::tests::{measured, run};
 
     #[test]
-    fn growth_is_the_slope_between_the_smallest_and_the_largest_field() {
+    fn growth_is_the_slope_through_all_fields_of_one_tolerance() {
+        let field = |n: usize, suffix: &str| {
+            let seconds = 3e-4 * (n as f64).powf(1.15);
+            measured(&format!("field-{n}{suffix}"), n, seconds)
+        };
         let scenes = [
-            measured("field-1000", 1000, 2.0),
+            field(1000, ""),
             measured("cornell", 20, 500.0),
-            measured("field-100000", 100_000, 2.0 * 100_f64.powf(1.15)),
-            measured("field-10000", 10_000, 7.0),
+            field(100_000, ""),
+            field(10_000, ""),
+            field(100, "@0.03"),
+            field(300, "@0.03"),
+            field(100, "@0.1"),
         ];
-        let (time, memory) = growth(&scenes).unwrap();
-        assert!((time - 1.15).abs() < 1e-9 && memory == Some(0.0), "{time} {memory:?}");
-        assert_eq!(growth(&scenes[..2]), None);
+        let text = growth(&scenes).unwrap().text();
+        let row = |name: &str| format!("| {name:<11} | 1.15 | 1.15 |   0.00 |  0.00 |      0.00 |    1.15 |  1.15 |");
+        assert!(text.contains(&row("fields")) && text.contains(&row("fields@0.03")), "{text}");
+        assert!(!text.contains("fields@0.1 "), "one size does not grow: {text}");
+        assert!(growth(&scenes[..2]).is_none());
+    }
+
+    #[test]
+    fn the_power_of_a_power_law_with_even_scatter_is_its_own() {
+        // y = x^2, but for factors that cancel.
+        let points = [(1.0, 1.1), (2.0, 4.0 / 1.1), (4.0, 16.0 / 1.1), (8.0, 64.0 * 1.1)];
+        assert!((power(&points).unwrap() - 2.0).abs() < 1e-12);
+        assert_eq!(power(&[(2.0, 1.0), (2.0, 3.0)]), None);
+        assert_eq!(power(&[(1.0, 0.0), (2.0, 3.0)]), None, "0 has no logarithm");
+    }
+
+    #[test]
+    fn bakes_that_left_nothing_are_told() {
+        let mut run = run(Vec::new());
+        run.unfinished.push(Unfinished { scene: "field-9".into(), threads: 2, why: "did not end in 5 s".into() });
+        let text = describe(&run);
+        assert!(text.ends_with("\nfield-9 with 2 threads did not end in 5 s\n") && !text.contains('|'), "{text}");
     }
 
     #[test]

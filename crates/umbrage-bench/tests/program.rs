@@ -49,6 +49,24 @@ fn scenes_that_are_not_there_are_told_and_the_others_are_measured() {
     assert!(!suite.status.success());
     assert!(text(&suite.stderr).contains("nowhere.obj is neither a file nor one of"), "{}", text(&suite.stderr));
     assert!(text(&suite.stdout).contains("| field-12 |"), "{}", text(&suite.stdout));
+    assert!(
+        text(&suite.stdout).contains("nowhere.obj with 2 threads failed: exit status: 1"),
+        "{}",
+        text(&suite.stdout)
+    );
     let convergence = run(&["convergence", "--scenes", "room", "-o", temporary("room.svg").to_str().unwrap()]);
     assert!(text(&convergence.stderr).contains("room has no reference points"), "{}", text(&convergence.stderr));
+}
+
+#[test]
+fn a_bake_that_takes_too_long_is_recorded_as_one_that_did_not_end() {
+    let path = temporary("long.json");
+    let line = ["suite", "--scenes", "field-5000@0.001,field-12@0.5", "--limit", "0.5", "-o", path.to_str().unwrap()];
+    let suite = run(&line);
+    assert!(!suite.status.success());
+    let stored: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    assert_eq!(stored["unfinished"].as_array().map(Vec::len), Some(1), "with one thread it was not even tried");
+    assert_eq!(stored["unfinished"][0]["scene"], "field-5000@0.001");
+    assert_eq!(stored["unfinished"][0]["why"], "did not end in 0.5 s");
+    assert_eq!(stored["scenes"][0]["scene"], "field-12@0.5");
 }

@@ -1,27 +1,34 @@
 //! `umbrage bake`: a scene in, a baked GLB out.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use clap::Args;
-use umbrage::bake::{self, Bake, BakeSettings};
-use umbrage::progress::Progress;
+use umbrage::bake::BakeSettings;
 use umbrage::scene::Scene;
 use umbrage_formats::{Written, choose_nodes, write_baked_glb};
 
+use crate::interrupt::{Interrupted, Kept};
 use crate::light::Fluxes;
 use crate::method::{MethodArgs, facts, positive, share};
-use crate::output::Output;
-use crate::progress::Bar;
+use crate::output::{self, Output};
 use crate::scene_file::SceneArgs;
+use crate::steps::{Hurry, Step, bake_in_steps};
 use crate::{interrupt, summary};
+
+/// Of a limit, so much is left for writing the file, and this share.
+const WRITING: Duration = Duration::from_millis(100);
+const WRITING_SHARE: f64 = 0.01;
 
 const HELP: &str = "\
 Examples:
   umbrage bake room.glb -o baked.glb
   umbrage bake room.glb -o fine.glb --tolerance 0.003
   umbrage bake room.glb -o small.glb --max-triangles 5000
+  umbrage bake room.glb -o best.glb --time-limit 60
+  umbrage bake room.glb -o early.glb --progressive
   umbrage bake room.glb -o brighter.glb --exposure 2.5
   umbrage bake room.glb -o room-only.glb --skip car
   umbrage bake house.obj -o house.glb --unit mm --emit lamp=12,11,9
@@ -41,6 +48,8 @@ the file has none, --emit gives it, or a TOML beside the scene (for room.glb: ro
   [[lamps]]                   # a bulb: where it is, in metres with Y up, and W/sr; with a direction it is a spot
   position = [0, 2.2, 0]
   intensity = 8
+
+--time-limit and --progressive bake in steps, the first of them at 16 times the tolerance, each finer than the one before. Every step is a whole bake, the same that its tolerance alone gives, and the file names that tolerance. Where the limit ends before the tolerance asked for was reached, a warning says which one was, and the exit code is 0; where it ends before the first step, nothing is written. Ctrl-C ends a bake at once: with --progressive the best result by then stays, without it nothing is written.
 
 Units are metres and W/m2; a surface is lit on its front, unless its material is double-sided.";
 
@@ -67,6 +76,12 @@ pub(crate) struct BakeArgs {
     /// Do not bake this node, nor what is below it; may be repeated
     #[arg(long, value_name = "NODE")]
     skip: Vec<String>,
+    /// Write the best result that there is time for: end within S seconds, reading and writing included
+    #[arg(long, value_name = "S", value_parser = time_limit)]
+    time_limit: Option<Duration>,
+    /// Write a coarse result early, and replace it by better ones until the tolerance is reached; takes about a third longer
+    #[arg(long)]
+    progressive: bool,
     #[command(flatten)]
     reading: SceneArgs,
     #[command(flatten)]
@@ -79,12 +94,59 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     let begin = Instant::now();
     let mut scene = args.reading.read(&args.scene, args.max_reflectance)?;
     choose_nodes(&mut scene, &args.only, &args.skip)?;
-    let settings = args.method.settings();
-    let bake =
-        bake_scene(&scene, &settings, output).with_context(|| format!("cannot bake {}", args.scene.display()))?;
-    let written = write(&scene, &bake, &settings, args.exposure, &args.output)?;
-    let summary = summary::summary(&bake.report, &Fluxes::new(&scene), &written, begin.elapsed());
+    let scene = Arc::new(scene);
+    let hurry = Hurry { early: args.progressive, until: args.time_limit.and_then(|limit| last_moment(begin, limit)) };
+    let write = |step: &Step| write(&scene, step, args.exposure, &args.output);
+    let mut best = None;
+    let ended = bake_in_steps(&scene, &args.method.settings(), hurry, output, |step| {
+        let written = args.progressive.then(|| write(&step)).transpose()?;
+        if args.progressive && !step.is_asked {
+            let seconds = summary::seconds(begin.elapsed().as_secs_f64());
+            output.say(&format!("Wrote {} after {seconds}: {}", args.output.display(), quality(&step)))?;
+        }
+        best = Some((step, written));
+        Ok(())
+    });
+    let (step, written) = match (ended, best) {
+        (Ok(()), Some(best)) => best,
+        (Err(error), Some((step, Some(_)))) if error.is::<Interrupted>() => {
+            return Err(Kept(format!("{} has {}", args.output.display(), quality(&step))).into());
+        }
+        (Err(error), _) => return Err(error).with_context(|| format!("cannot bake {}", args.scene.display())),
+        (Ok(()), None) => anyhow::bail!("{}: nothing was baked", args.scene.display()),
+    };
+    let written = written.map_or_else(|| write(&step), Ok)?;
+    if !step.is_asked {
+        output::warning(&format!(
+            "the time limit is too short for tolerance {}: {} has {}. A longer --time-limit gets nearer to it",
+            args.method.settings().shade.tolerance,
+            args.output.display(),
+            quality(&step)
+        ));
+    }
+    let summary = summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, begin.elapsed());
     output.say(&format!("{summary}Wrote {} ({})", args.output.display(), summary::bytes(written.bytes)))
+}
+
+/// When a bake must end, so that its file is there within the limit; `None` where it never comes.
+fn last_moment(begin: Instant, limit: Duration) -> Option<Instant> {
+    let for_writing = WRITING + limit.mul_f64(WRITING_SHARE);
+    begin.checked_add(limit.saturating_sub(for_writing))
+}
+
+/// How good a step is.
+fn quality(step: &Step) -> String {
+    format!(
+        "the light at tolerance {}, in error by {:.2} % of the mean light between vertices (estimate), with {}",
+        step.settings.shade.tolerance,
+        100.0 * step.bake.report.error,
+        summary::count(step.bake.report.triangles, "triangle")
+    )
+}
+
+/// Seconds, more than 0.
+fn time_limit(text: &str) -> Result<Duration, String> {
+    Duration::try_from_secs_f64(positive(text)?).map_err(|error| error.to_string())
 }
 
 /// Fails where a file has no folder to be in: better now than after a long bake.
@@ -99,27 +161,23 @@ fn check_folder(output: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Bakes with progress on the terminal; Ctrl-C cancels.
-pub(crate) fn bake_scene(scene: &Scene, settings: &BakeSettings, output: Output) -> anyhow::Result<Bake> {
-    interrupt::check()?;
-    let bar = Bar::new(output);
-    let callback = |update| bar.update(update);
-    let bake = bake::bake(scene, settings, Progress::new(&callback));
-    bar.clear();
-    Ok(bake?)
+/// Bakes in one step, with progress on the terminal.
+///
+/// # Errors
+/// [`Interrupted`], and whatever is wrong with the scene.
+pub(crate) fn bake_scene(scene: &Arc<Scene>, settings: &BakeSettings, output: Output) -> anyhow::Result<Step> {
+    let mut baked = None;
+    bake_in_steps(scene, settings, Hurry::default(), output, |step| {
+        baked = Some(step);
+        Ok(())
+    })?;
+    baked.context("nothing was baked")
 }
 
 /// Writes a bake as GLB, and with it how it was made.
-pub(crate) fn write(
-    scene: &Scene,
-    bake: &Bake,
-    settings: &BakeSettings,
-    exposure: Option<f64>,
-    path: &Path,
-) -> anyhow::Result<Written> {
-    interrupt::check()?;
-    let facts = facts(settings, &bake.report, exposure);
-    Ok(write_baked_glb(scene, &bake.mesh, &facts, path)?)
+pub(crate) fn write(scene: &Scene, step: &Step, exposure: Option<f64>, path: &Path) -> anyhow::Result<Written> {
+    let facts = facts(&step.settings, &step.bake.report, exposure);
+    Ok(write_baked_glb(scene, &step.bake.mesh, &facts, path)?)
 }
 
 #[cfg(test)]

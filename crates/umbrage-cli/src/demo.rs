@@ -1,6 +1,7 @@
 //! `umbrage demo`: the built-in Cornell box, baked and drawn.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::Context;
@@ -31,10 +32,9 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> anyhow::Result<()> {
         .with_context(|| format!("cannot make the folder {}: choose another --out-dir", args.out_dir.display()))?;
     let [glb, png] = ["cornell.glb", "cornell.png"].map(|name| args.out_dir.join(name));
 
-    let scene = cornell_box();
-    let settings = BakeSettings::default();
-    let bake = bake_scene(&scene, &settings, output).context("cannot bake the Cornell box")?;
-    let written = write(&scene, &bake, &settings, None, &glb)?;
+    let scene = Arc::new(cornell_box());
+    let step = bake_scene(&scene, &BakeSettings::default(), output).context("cannot bake the Cornell box")?;
+    let written = write(&scene, &step, None, &glb)?;
     let shown = Shown::read(&glb)?;
     let meshes = shown.meshes(Colors::Seen, shown.file.exposure_k);
     let settings = RenderSettings::default();
@@ -44,7 +44,7 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> anyhow::Result<()> {
 
     let umbrage = std::env::args().next().unwrap_or_else(|| "umbrage".into());
     let (summary, glb_name) =
-        (summary::summary(&bake.report, &Fluxes::new(&scene), &written, begin.elapsed()), glb.display());
+        (summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, begin.elapsed()), glb.display());
     output.say(&format!(
         "{summary}\
          Wrote {glb_name} ({}), for any glTF viewer\n\

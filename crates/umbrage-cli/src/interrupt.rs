@@ -1,7 +1,7 @@
 //! Ctrl-C: the first one asks a bake to stop, the second one ends the process at once.
 //!
-//! Holds: the signal handler only sets a flag, which the progress callback reads; commands that report no progress keep
-//! the system's behaviour.
+//! Holds: the signal handler only sets a flag, which the progress callback reads, and whoever waits for a bake; commands that
+//! report no progress keep the system's behaviour.
 
 use std::process;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,13 +24,17 @@ pub(crate) fn listen() -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Ctrl-C was pressed.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+#[error("interrupted, nothing was written")]
+pub(crate) struct Interrupted;
+
+/// Ctrl-C was pressed, and there is a result all the same, which is described.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("interrupted; {0}")]
+pub(crate) struct Kept(pub(crate) String);
+
 /// Whether Ctrl-C was pressed since [`listen`].
 pub(crate) fn was_interrupted() -> bool {
     INTERRUPTED.load(Ordering::Relaxed)
-}
-
-/// Fails where Ctrl-C was pressed: for places that report no progress.
-pub(crate) fn check() -> anyhow::Result<()> {
-    anyhow::ensure!(!was_interrupted(), "interrupted");
-    Ok(())
 }

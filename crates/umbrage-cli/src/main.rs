@@ -18,6 +18,7 @@ mod memory;
 mod page;
 mod progress;
 mod render;
+mod steps;
 mod summary;
 mod verify;
 mod view;
@@ -99,8 +100,11 @@ fn main() {
     let cli = Cli::parse();
     let code = match run(&cli) {
         Ok(()) => ExitCode::Success,
-        Err(_) if interrupt::was_interrupted() => {
-            output::error("interrupted, nothing was written");
+        Err(error) if interrupt::was_interrupted() => {
+            match error.downcast_ref::<interrupt::Kept>() {
+                Some(kept) => output::error(&kept.to_string()),
+                None => output::error(&interrupt::Interrupted.to_string()),
+            }
             ExitCode::Interrupted
         }
         // Whoever read our output has read enough: `umbrage info room.glb | head -3`.

@@ -89,6 +89,11 @@ impl Bar {
         self.bar.set_message(running.to_string());
     }
 
+    /// Does what may write to the terminal.
+    pub(crate) fn aside<R>(&self, work: impl FnOnce() -> R) -> R {
+        self.bar.suspend(work)
+    }
+
     /// Removes the bar.
     pub(crate) fn clear(&self) {
         self.bar.finish_and_clear();

@@ -115,7 +115,7 @@ pub(crate) fn grouped(n: usize) -> String {
 }
 
 /// A time: `0.12 s`, `12.3 s`, `2 min 5 s`.
-fn seconds(s: f64) -> String {
+pub(crate) fn seconds(s: f64) -> String {
     match s {
         _ if s < 10.0 => format!("{s:.2} s"),
         _ if s < 60.0 => format!("{s:.1} s"),

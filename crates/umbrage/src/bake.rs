@@ -170,10 +170,19 @@ pub enum BakeError {
     Scene(#[from] SceneError),
     /// Its faces could not be prepared.
     #[error(transparent)]
-    Prepare(#[from] PrepareError),
-    /// The progress callback asked to stop.
+    Prepare(PrepareError),
+    /// The progress callback asked to stop, in whatever stage.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<PrepareError> for BakeError {
+    fn from(error: PrepareError) -> Self {
+        match error {
+            PrepareError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            refused => Self::Prepare(refused),
+        }
+    }
 }
 
 /// Measures the stages.

@@ -4,9 +4,10 @@
 mod common;
 
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
-use umbrage::bake::{Bake, BakeSettings, bake};
-use umbrage::progress::Progress;
+use umbrage::bake::{Bake, BakeError, BakeSettings, bake};
+use umbrage::progress::{Cancelled, Progress, Stage, Update};
 use umbrage::scene::{Scene, cornell};
 use umbrage::shade::ShadeSettings;
 
@@ -85,13 +86,40 @@ fn a_furnace_glows_evenly() {
     assert!((squares / area).sqrt() / 2.0 < 0.01, "rms {}", (squares / area).sqrt() / 2.0);
 }
 
-#[test]
-fn one_and_two_threads_bake_the_same_bytes() {
-    let scene = scene("occluder");
+/// The bytes of the baked file must not depend on how many threads made it: more than there are cores change who waits for whom.
+fn holds_whatever_the_threads(scene: &Scene, tolerance: f64) {
+    let shade = ShadeSettings { tolerance, ..ShadeSettings::default() };
+    let settings = BakeSettings { shade, ..BakeSettings::default() };
     let bytes = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let baked = pool.install(|| baked(&scene));
-        umbrage_formats::baked_glb_bytes(&scene, &baked.mesh, &umbrage_formats::BakeFacts::default()).unwrap()
+        let baked = pool.install(|| bake(scene, &settings, Progress::silent()).unwrap());
+        assert!(baked.report.triangles > 300, "{:?}", baked.report);
+        umbrage_formats::baked_glb_bytes(scene, &baked.mesh, &umbrage_formats::BakeFacts::default()).unwrap()
     };
-    assert_eq!(bytes(1), bytes(2));
+    let alone = bytes(1);
+    for threads in [2, 3, 8] {
+        assert!(bytes(threads) == alone, "{threads} threads");
+    }
+}
+
+#[test]
+fn any_number_of_threads_bakes_the_same_cornell_box() {
+    holds_whatever_the_threads(&cornell::cornell_box(), 0.02);
+}
+
+#[test]
+fn any_number_of_threads_bakes_the_same_touching_boxes() {
+    holds_whatever_the_threads(&scene("touching"), 0.02);
+}
+
+#[test]
+fn every_stage_can_be_cancelled() {
+    for stage in [Stage::Prepare, Stage::Discontinuity, Stage::Transport, Stage::Solve, Stage::Shade] {
+        let stop = |update: Update| match update.stage == stage {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        let error = bake(&scene("occluder"), &BakeSettings::default(), Progress::new(&stop)).unwrap_err();
+        assert_eq!(error, BakeError::Cancelled(Cancelled), "{stage}");
+    }
 }

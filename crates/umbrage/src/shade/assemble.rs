@@ -19,7 +19,7 @@ use crate::scene::{Rgb, Scene};
 use crate::visibility::ReceiverPoint;
 
 /// Groups evaluated between two reports of progress.
-const GROUPS_A_REPORT: usize = 256;
+const GROUPS_A_REPORT: usize = 16;
 
 /// Assembles the triangles. Each group of corners has the value that refinement left at its vertex; where a contact passes
 /// through it, or nothing is known, the irradiance is evaluated.

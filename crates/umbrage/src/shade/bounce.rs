@@ -23,7 +23,7 @@ use crate::transport::Linear;
 use crate::visibility::{ReceiverPoint, Visibility};
 
 /// Points between two reports of progress.
-const POINTS_A_REPORT: usize = 256;
+const POINTS_A_REPORT: usize = 16;
 /// Bounces go on until one changes the light by less than this share of it.
 const UNBOUNCED: f64 = 1e-5;
 /// What is seen of which patch is looked at as closely as that patch reflects; and anew where the light changes by more than

@@ -24,7 +24,7 @@ const INSIDE: f64 = 1e-3;
 /// And at most this share of the extent: then the limit is good to about as much.
 const INSIDE_OF_EXTENT: f64 = 1e-5;
 /// Points evaluated between two reports of progress.
-const POINTS_A_REPORT: usize = 256;
+const POINTS_A_REPORT: usize = 16;
 
 /// Irradiance as a function of the place.
 pub(super) trait Field: Sync {

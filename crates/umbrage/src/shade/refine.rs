@@ -89,8 +89,13 @@ pub(super) fn refine(
             leaves.par_iter().filter(|leaf| is_stale(**leaf)).map(|&leaf| Outlined::of(mesh, leaf)).collect();
         let requests = stale.par_iter().flat_map_iter(|leaf| leaf.requests(mesh, places)).collect();
         refined.values.evaluate(mesh, field, requests, Stage::Shade, progress)?;
-        let fresh: Vec<Vec<Element>> =
-            stale.par_iter().map(|leaf| leaf.elements(mesh, places, &refined.values, field, large_m2)).collect();
+        // Elements may ask for more of the field.
+        let looked_at = refined.values.as_slice().len();
+        let fresh = stale.par_iter().map(|leaf| {
+            progress.report(Stage::Shade, looked_at, 0)?;
+            Ok(leaf.elements(mesh, places, &refined.values, field, large_m2))
+        });
+        let fresh: Vec<Vec<Element>> = fresh.collect::<Result<_, Cancelled>>()?;
         for (leaf, elements) in stale.iter().zip(fresh) {
             known[leaf.patch.index()] = Some(leaf.point_count());
             refined.elements[leaf.patch.index()] = elements;

@@ -1,0 +1,209 @@
+//! Bakes in steps, coarse ones first: for a result early (`--progressive`), and for the best one that a limit of time allows
+//! (`--time-limit`).
+//!
+//! Every step is a whole bake at a tolerance of its own, and shares nothing with the one before: what it leaves is, byte for
+//! byte, what a bake leaves that is asked for that tolerance. Tolerances are the one that is asked for times a power of two, and
+//! what a coarse step took tells which finer one can still end in time.
+//!
+//! A thread bakes while this one waits, so that the limit and Ctrl-C are heeded at once, whatever the bake is doing. It is then
+//! left alone: the progress callback ends it, or the process does.
+//!
+//! Holds: steps come in order, each finer than the one before; the last is the one asked for, unless the limit ends.
+
+use std::ops::ControlFlow;
+use std::panic;
+use std::sync::Arc;
+use std::sync::mpsc::{self, RecvTimeoutError, SyncSender};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use umbrage::bake::{self, Bake, BakeError, BakeSettings};
+use umbrage::progress::Progress;
+use umbrage::scene::Scene;
+use umbrage::shade::ShadeSettings;
+
+use crate::interrupt::{self, Interrupted};
+use crate::output::Output;
+use crate::progress::Bar;
+
+/// The first step is asked for so many times the tolerance. A power of two, as all quotients of steps, so that they are as exact as
+/// the tolerance that was asked for.
+const FIRST_OVER_ASKED: f64 = 16.0;
+/// Where results are shown early, the next one comes with at least this share of the tolerance. Time grows by no more than the
+/// inverse of it, so that all steps but the last together take about a third of its time.
+const LEAST_OF_LAST: f64 = 0.25;
+/// How often limit and interrupts are looked at.
+const PULSE: Duration = Duration::from_millis(20);
+
+/// What is wished besides the bake itself.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Hurry {
+    /// Coarse results are wanted, too.
+    pub(crate) early: bool,
+    /// When the last result must be there.
+    pub(crate) until: Option<Instant>,
+}
+
+/// A whole bake.
+#[derive(Debug)]
+pub(crate) struct Step {
+    pub(crate) bake: Bake,
+    /// With the tolerance of this step.
+    pub(crate) settings: BakeSettings,
+    /// Whether this is the bake that was asked for, and no coarser one.
+    pub(crate) is_asked: bool,
+}
+
+/// The limit ended before any step.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "the time limit ended before the first and coarsest step, at tolerance {0}, was done: nothing was written. Give it more \
+     time, or a greater --tolerance"
+)]
+pub(crate) struct TooLittleTime(f64);
+
+/// Bakes with progress on the terminal, and hands each step to `found`, with the bar out of its way.
+///
+/// # Errors
+/// What `found` says; [`Interrupted`], [`TooLittleTime`] and [`BakeError`].
+pub(crate) fn bake_in_steps(
+    scene: &Arc<Scene>,
+    asked: &BakeSettings,
+    hurry: Hurry,
+    output: Output,
+    mut found: impl FnMut(Step) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let bar = Arc::new(Bar::new(output));
+    // A step waits until the one before was taken.
+    let (sender, steps) = mpsc::sync_channel(0);
+    let worker = {
+        let (scene, asked, bar) = (Arc::clone(scene), *asked, Arc::clone(&bar));
+        thread::spawn(move || all_steps(&scene, &asked, hurry, &bar, &sender))
+    };
+    let mut steps_done = 0;
+    let result = loop {
+        if interrupt::was_interrupted() {
+            break Err(Interrupted.into());
+        }
+        if hurry.until.is_some_and(|until| Instant::now() >= until) {
+            break if steps_done > 0 { Ok(()) } else { Err(TooLittleTime(first(asked, hurry)).into()) };
+        }
+        match steps.recv_timeout(PULSE) {
+            Ok(Ok(step)) => {
+                steps_done += 1;
+                let is_asked = step.is_asked;
+                let taken = bar.aside(|| found(step));
+                if is_asked || taken.is_err() {
+                    break taken;
+                }
+            }
+            // What cancels is the limit or Ctrl-C: both are looked at next.
+            Ok(Err(BakeError::Cancelled(_))) | Err(RecvTimeoutError::Timeout) => {}
+            Ok(Err(error)) => break Err(error.into()),
+            // No finer step can end in time; or a defect, which is to be seen.
+            Err(RecvTimeoutError::Disconnected) => match worker.join() {
+                Ok(()) => break Ok(()),
+                Err(defect) => panic::resume_unwind(defect),
+            },
+        }
+    };
+    bar.clear();
+    result
+}
+
+/// The thread that bakes.
+fn all_steps(
+    scene: &Scene,
+    asked: &BakeSettings,
+    hurry: Hurry,
+    bar: &Bar,
+    sender: &SyncSender<Result<Step, BakeError>>,
+) {
+    let asked_tolerance = asked.shade.tolerance;
+    let callback = |update| {
+        if hurry.until.is_some_and(|until| Instant::now() >= until) {
+            return ControlFlow::Break(());
+        }
+        bar.update(update)
+    };
+    let mut next = Some(first(asked, hurry));
+    while let Some(tolerance) = next {
+        let settings = BakeSettings { shade: ShadeSettings { tolerance, ..asked.shade }, ..*asked };
+        let begin = Instant::now();
+        let baked = bake::bake(scene, &settings, Progress::new(&callback));
+        let took_s = begin.elapsed().as_secs_f64();
+        let is_asked = tolerance == asked_tolerance;
+        let left_s = hurry.until.map(|until| until.saturating_duration_since(Instant::now()).as_secs_f64());
+        next = (baked.is_ok() && !is_asked)
+            .then(|| finer(asked_tolerance, tolerance, took_s, left_s, hurry.early))
+            .flatten();
+        // Where nobody waits for steps any more, the loop ends.
+        if sender.send(baked.map(|bake| Step { bake, settings, is_asked })).is_err() {
+            break;
+        }
+    }
+}
+
+/// The tolerance of the first step.
+fn first(asked: &BakeSettings, hurry: Hurry) -> f64 {
+    let in_steps = (hurry.early || hurry.until.is_some()) && asked.shade.tolerance.is_finite();
+    if in_steps { FIRST_OVER_ASKED * asked.shade.tolerance } else { asked.shade.tolerance }
+}
+
+/// The tolerance of the step after one that took `took_s`: the finest that will end in what is left, if time grows as the inverse of
+/// the tolerance (measured: with its power of -0.4 to -1). Where none will, the next finer one is tried all the same, but not in
+/// less time than the last one took.
+fn finer(asked: f64, last: f64, took_s: f64, left_s: Option<f64>, early: bool) -> Option<f64> {
+    let left_s = left_s.unwrap_or(f64::INFINITY);
+    let ends_in_time = |tolerance: &f64| took_s * last / tolerance <= left_s;
+    let is_early = |tolerance: &f64| !early || *tolerance >= LEAST_OF_LAST * last;
+    let mut next = 0.5 * last;
+    if took_s > left_s {
+        return None;
+    }
+    while next > asked && Some(0.5 * next).filter(ends_in_time).filter(is_early).is_some() {
+        next *= 0.5;
+    }
+    Some(next)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_finest_step_that_can_end_is_next() {
+        // 1 s at tolerance 0.16: 16 s at 0.01 at most.
+        let next = |left_s| finer(0.01, 0.16, 1.0, Some(left_s), false);
+        assert_eq!([16.0, 15.9, 4.0, 2.5].map(next), [0.01, 0.02, 0.04, 0.08].map(Some));
+        // It may be quicker than that, but hardly in less than the last one took.
+        assert_eq!([1.5, 0.9].map(next), [Some(0.08), None]);
+    }
+
+    #[test]
+    fn early_results_come_one_after_the_other_down_to_the_one_asked_for() {
+        let next = |last, left_s| finer(0.01, last, 1.0, left_s, true);
+        assert_eq!([0.16, 0.04, 0.02].map(|last| next(last, None)), [0.04, 0.01, 0.01].map(Some));
+        assert_eq!([next(0.16, Some(100.0)), next(0.16, Some(3.0))], [0.04, 0.08].map(Some));
+    }
+
+    #[test]
+    fn steps_end_exactly_at_the_tolerance_asked_for() {
+        for asked in [0.01, 0.003, 1e-9, 0.7, 1.0 / 3.0] {
+            let settings = |tolerance| BakeSettings {
+                shade: ShadeSettings { tolerance, ..ShadeSettings::default() },
+                ..BakeSettings::default()
+            };
+            let early = Hurry { early: true, until: None };
+            let mut last = first(&settings(asked), early);
+            assert_eq!(last, 16.0 * asked);
+            while last != asked {
+                let next = finer(asked, last, 1.0, None, true).unwrap();
+                assert!(next < last && next >= asked);
+                last = next;
+            }
+            assert_eq!(first(&settings(asked), Hurry::default()), asked);
+            assert_eq!(first(&settings(f64::INFINITY), early), f64::INFINITY, "there is no coarser one than none");
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Bakes in steps as a user meets them: a limit of time, early results, Ctrl-C.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+/// A tolerance that no bake of the occluder reaches in the time of a test, though its first step does.
+const OUT_OF_REACH: &str = "0.00001";
+
+fn umbrage(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_umbrage")).args(arguments).output().unwrap()
+}
+
+/// An empty folder of this test's own.
+fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("in_steps").join(name);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).unwrap();
+    path
+}
+
+fn scene(name: &str) -> String {
+    format!("{}/../../testdata/scenes/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+fn err(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The tolerance that a baked file says it was made with.
+fn tolerance_in(path: &Path) -> f64 {
+    let bytes = fs::read(path).unwrap();
+    // The JSON of a GLB follows 12 bytes of its head and 8 of the chunk's, which begin with its length.
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    assert_eq!(u32::from_le_bytes(bytes[8..12].try_into().unwrap()) as usize, bytes.len(), "a whole file");
+    let json: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    json["asset"]["extras"]["umbrage"]["tolerance"].as_f64().unwrap()
+}
+
+#[test]
+fn a_limit_that_ends_before_the_first_step_says_so_and_leaves_nothing() {
+    let folder = folder("too_short");
+    let baked = folder.join("baked.glb");
+    let begin = Instant::now();
+    let ended = umbrage(&["bake", &scene("room.obj"), "-o", baked.to_str().unwrap(), "--time-limit", "0.2"]);
+    assert_eq!(ended.status.code(), Some(1), "{}", err(&ended));
+    assert!(err(&ended).contains("Give it more time") && err(&ended).contains("tolerance 0.16"), "{}", err(&ended));
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
+    // A process needs a while to start, more so beside other tests.
+    assert!(begin.elapsed() < Duration::from_secs(2), "{:?}", begin.elapsed());
+}
+
+#[test]
+fn what_a_limit_allows_is_the_bake_of_the_tolerance_that_it_names() {
+    let folder = folder("limit");
+    let [limited, alone] = ["limited.glb", "alone.glb"].map(|name| folder.join(name));
+    let begin = Instant::now();
+    let line = ["--threads", "1", "--time-limit", "10", "--tolerance", OUT_OF_REACH];
+    let ended = umbrage(&[&["bake", &scene("occluder.glb"), "-o", limited.to_str().unwrap()], &line[..]].concat());
+    assert!(begin.elapsed() < Duration::from_secs(11), "{:?}", begin.elapsed());
+    assert_eq!(ended.status.code(), Some(0), "{}", err(&ended));
+    let tolerance = tolerance_in(&limited);
+    let warning = format!("warning: the time limit is too short for tolerance {OUT_OF_REACH}");
+    assert!(err(&ended).starts_with(&warning), "{}", err(&ended));
+    assert!(err(&ended).contains(&format!("at tolerance {tolerance}")), "{}", err(&ended));
+    let line = ["--tolerance", &tolerance.to_string()];
+    let done = umbrage(&[&["bake", &scene("occluder.glb"), "-o", alone.to_str().unwrap()], &line[..]].concat());
+    assert_eq!(done.status.code(), Some(0), "{}", err(&done));
+    assert_eq!(fs::read(limited).unwrap(), fs::read(alone).unwrap());
+}
+
+#[test]
+fn early_results_end_in_the_one_asked_for() {
+    let folder = folder("progressive");
+    let [early, alone] = ["early.glb", "alone.glb"].map(|name| folder.join(name));
+    let bake = |path: &Path, more: &[&str]| {
+        let done = umbrage(&[&["bake", &scene("occluder.glb"), "-o", path.to_str().unwrap()], more].concat());
+        assert_eq!(done.status.code(), Some(0), "{}", err(&done));
+        String::from_utf8(done.stdout).unwrap()
+    };
+    let told = bake(&early, &["--progressive"]);
+    // At 16, 4 and 1 times the default tolerance.
+    let [first, second] = ["at tolerance 0.16", "at tolerance 0.04"].map(|words| told.find(words).unwrap());
+    assert!(first < second && told.matches("Wrote").count() == 3, "{told}");
+    bake(&alone, &[]);
+    assert_eq!(fs::read(early).unwrap(), fs::read(alone).unwrap());
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_the_best_early_result_within_a_second() {
+    use std::io::Read;
+    use std::process::Stdio;
+    use std::thread::sleep;
+
+    let folder = folder("interrupted");
+    let baked = folder.join("baked.glb");
+    let mut bake = Command::new(env!("CARGO_BIN_EXE_umbrage"))
+        .args(["bake", &scene("occluder.glb"), "-o", baked.to_str().unwrap()])
+        .args(["--threads", "1", "--tolerance", OUT_OF_REACH, "--progressive"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    while !baked.exists() {
+        assert!(bake.try_wait().unwrap().is_none(), "it ended without a result");
+        sleep(Duration::from_millis(20));
+    }
+    let pressed = Instant::now();
+    let kill = format!("kill -INT {}", bake.id());
+    assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+    let ended = bake.wait().unwrap();
+    assert!(pressed.elapsed() < Duration::from_secs(1), "{:?}", pressed.elapsed());
+    assert_eq!(ended.code(), Some(130));
+    let mut told = String::new();
+    bake.stderr.take().unwrap().read_to_string(&mut told).unwrap();
+    let tolerance = tolerance_in(&baked);
+    assert!(told.contains("interrupted") && told.contains(&format!("at tolerance {tolerance}")), "{told}");
+    let kept: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(kept, ["baked.glb"]);
+}
