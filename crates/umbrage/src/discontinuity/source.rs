@@ -37,6 +37,11 @@ pub(super) struct SourceEdge {
 }
 
 impl SourceEdge {
+    /// The normals of the faces along the edge.
+    pub(super) fn normals(&self) -> impl Iterator<Item = DVec3> + '_ {
+        self.beside.iter().map(|face| face.normal)
+    }
+
     /// By how much radiance steps across the edge, as it is seen from `eye_m` before a background that emits `behind`. Faces
     /// whose plane is within `slack_m` of the eye are seen edge-on.
     pub(super) fn step(&self, eye_m: DVec3, slack_m: f64, behind: Rgb) -> Rgb {

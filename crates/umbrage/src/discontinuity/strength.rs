@@ -8,6 +8,7 @@
 //!   which the lines are seen upon one another;
 //! - behind a corner and a line (degree 2) the curvature, by radiance, cosine, that speed squared, and the jump of slope
 //!   of the corner's image (`corner`);
+//! - behind three lines (degree 2) the curvature (`strength_of_three`);
 //! - in the source's plane the slope, by the sum of radiance and cosine over `r3` and the area that is seen;
 //! - behind a lamp without extent (degree 0) the value, by all that it brings;
 //! - at a contact (degree 0) the value, at most by what the emitters give there unhindered.
@@ -54,11 +55,11 @@ const MISSED_KINK: f64 = 1.0 / 32.0;
 const MISSED_CURVATURE: f64 = 0.021_447;
 
 /// The receiver at a point of a d-segment.
-struct Receiver {
+pub(super) struct Receiver {
     face: FaceId,
-    at: DVec3,
+    pub(super) at: DVec3,
     /// Its plane, towards its front.
-    plane: Plane,
+    pub(super) plane: Plane,
     /// Unit vector in it across the segment.
     across: DVec3,
 }
@@ -74,6 +75,7 @@ impl Surroundings<'_> {
             Event::SourcePlane { emitter } => self.of_source_plane(&receiver, emitter),
             Event::OccluderPlane { emitter, occluder } => self.of_occluder_plane(&receiver, emitter, occluder),
             Event::EdgeEdge { source, occluder, .. } => self.of_edges(&receiver, source, occluder),
+            Event::ThreeEdges { source, occluders, .. } => self.of_three_edges(&receiver, source, occluders),
             Event::VertexEdge { source, occluder, .. } => {
                 let corner = self.position(source);
                 let behind = self.emitted_behind(at, corner);
@@ -257,7 +259,7 @@ impl Surroundings<'_> {
     }
 
     /// The radiance that comes to `eye` along the ray that passes `point`, from emitters behind it.
-    fn emitted_behind(&self, eye: DVec3, point: DVec3) -> Rgb {
+    pub(super) fn emitted_behind(&self, eye: DVec3, point: DVec3) -> Rgb {
         let ray = point - eye;
         let mut nearest = (f64::INFINITY, Rgb::ZERO);
         for emitter in &self.features.emitters {
