@@ -31,6 +31,8 @@ pub(super) struct SourceEdge {
     pub(super) edge: EdgeId,
     /// The first emitter along it.
     pub(super) emitter: EmitterId,
+    /// All emitters along it, ascending.
+    pub(super) emitters: SmallVec<[EmitterId; 2]>,
     pub(super) ends: [VertexId; 2],
     pub(super) ends_m: [DVec3; 2],
     beside: SmallVec<[Beside; 2]>,
@@ -78,6 +80,8 @@ pub(super) struct SourceVertex {
 pub(super) struct Sources {
     pub(super) edges: Vec<SourceEdge>,
     pub(super) vertices: Vec<SourceVertex>,
+    /// Numbers of the edges along each emitter, ascending.
+    pub(super) of_emitter: Table<EmitterId, Vec<usize>>,
 }
 
 impl Sources {
@@ -88,7 +92,10 @@ impl Sources {
         }
         let mut edges = Vec::new();
         for (id, edge) in prepared.edges.iter_enumerated() {
-            let Some(emitter) = edge.faces.iter().filter_map(|&face| of_face[face]).min() else { continue };
+            let mut along: SmallVec<[EmitterId; 2]> = edge.faces.iter().filter_map(|&face| of_face[face]).collect();
+            along.sort_unstable();
+            along.dedup();
+            let Some(&emitter) = along.first() else { continue };
             if let &[one, other] = edge.faces.as_slice() {
                 let inside = of_face[one] == of_face[other] && prepared.faces[one].plane == prepared.faces[other].plane;
                 if inside && prepared.faces[one].facing == prepared.faces[other].facing {
@@ -96,20 +103,24 @@ impl Sources {
                 }
             }
             let ends_m = edge.ends.map(|vertex| prepared.vertices_m[vertex]);
-            let along = (ends_m[1] - ends_m[0]).normalize_or_zero();
+            let direction = (ends_m[1] - ends_m[0]).normalize_or_zero();
             let beside = |&face: &FaceId| {
                 let into = polygon::centroid(&prepared.polygon_m(face)) - ends_m[0];
                 Beside {
-                    inward: (into - into.dot(along) * along).normalize_or_zero(),
+                    inward: (into - into.dot(direction) * direction).normalize_or_zero(),
                     normal: prepared.normal(face),
                     radiance: scene.materials[prepared.faces[face].material].radiance,
                 }
             };
             let beside = edge.faces.iter().map(beside).collect();
-            edges.push(SourceEdge { edge: id, emitter, ends: edge.ends, ends_m, beside });
+            edges.push(SourceEdge { edge: id, emitter, emitters: along, ends: edge.ends, ends_m, beside });
         }
         let vertices = vertices(prepared, &edges);
-        Self { edges, vertices }
+        let mut of_emitter: Table<EmitterId, Vec<usize>> = emitters.iter().map(|_| Vec::new()).collect();
+        for (number, edge) in edges.iter().enumerate() {
+            edge.emitters.iter().for_each(|&emitter| of_emitter[emitter].push(number));
+        }
+        Self { edges, vertices, of_emitter }
     }
 }
 

@@ -58,10 +58,10 @@ impl Surroundings<'_> {
         let nearer = nearer.filter_map(|edge| self.features.occluders.of(edge));
         let mut segments = Vec::new();
         for nearer in nearer.filter(|edge| reaches(edge.ends_m) && self.may_be_silhouette(edge, &corners)) {
-            for source in &emitter.outline {
-                let Some(source) = self.features.source_edge(*source) else { continue };
-                if source.emitter == id && source.edge != last.edge && source.edge != nearer.edge {
-                    segments.extend(self.three(source, nearer, last));
+            for &number in &self.features.sources.of_emitter[id] {
+                let source = &self.features.sources.edges[number];
+                if source.edge != last.edge && source.edge != nearer.edge {
+                    segments.extend(self.three(id, source, nearer, last));
                 }
             }
         }
@@ -129,8 +129,9 @@ impl Surroundings<'_> {
         planes
     }
 
-    /// The event of three edges, the last of which is nearest to the receiver.
-    fn three(&self, source: &SourceEdge, nearer: &OccluderEdge, last: &OccluderEdge) -> Vec<DSegment> {
+    /// The event of three edges, the last of which is nearest to the receiver, where of the emitters along the source's edge this
+    /// is the first that is turned to the receiver.
+    fn three(&self, id: EmitterId, source: &SourceEdge, nearer: &OccluderEdge, last: &OccluderEdge) -> Vec<DSegment> {
         let ruled = Ruled { source: source.ends_m, nearer: nearer.ends_m, last: last.ends_m };
         if ruled.is_empty()
             || self.common_plane(ruled.nearer, ruled.last).is_some()
@@ -153,7 +154,13 @@ impl Surroundings<'_> {
                 let [front, back] = edge.hidden_sides(&Plane::through(ray.from, normal), self.coplanar_m());
                 front != back
             };
-            source.step(ray.last, self.coplanar_m(), Rgb::ZERO) != Rgb::ZERO && hides(nearer) && hides(last)
+            let turned = |&&emitter: &&EmitterId| {
+                self.features.emitters[emitter].plane.signed_distance_m(ray.last) > self.coplanar_m()
+            };
+            source.emitters.iter().find(turned) == Some(&id)
+                && source.step(ray.last, self.coplanar_m(), Rgb::ZERO) != Rgb::ZERO
+                && hides(nearer)
+                && hides(last)
         };
         let event = Event::ThreeEdges {
             emitter: source.emitter,

@@ -54,7 +54,7 @@ fn edges(world: &World) -> Vec<Edge> {
     for (i, one) in world.pieces.iter().enumerate() {
         for other in &world.pieces[i + 1..] {
             if let Some(ends) = common_line(one, other) {
-                edges.push(Edge { ends, lit: false });
+                edges.push(Edge { ends, lit: one.radiance > 0.0 || other.radiance > 0.0 });
             }
         }
     }
