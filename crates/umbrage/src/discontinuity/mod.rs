@@ -22,6 +22,7 @@ mod in_plane;
 mod lamp;
 mod merge;
 mod occluder_plane;
+mod plane_image;
 mod polynomial;
 mod ruled;
 mod secondary;

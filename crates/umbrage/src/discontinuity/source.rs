@@ -47,11 +47,22 @@ impl SourceEdge {
     /// By how much radiance steps across the edge, as it is seen from `eye_m` before a background that emits `behind`. Faces
     /// whose plane is within `slack_m` of the eye are seen edge-on.
     pub(super) fn step(&self, eye_m: DVec3, slack_m: f64, behind: Rgb) -> Rgb {
+        let [left, right] = self.sides(self.across(eye_m), eye_m, slack_m, behind);
+        right - left
+    }
+
+    /// The normal of the plane through the edge and an eye.
+    fn across(&self, eye_m: DVec3) -> DVec3 {
+        (self.ends_m[1] - self.ends_m[0]).cross(eye_m - self.ends_m[0]).normalize_or_zero()
+    }
+
+    /// The radiance on both sides of the edge, as [`Self::step`] sees it: behind a plane through edge and eye with the normal
+    /// `across`, and in front of it.
+    pub(super) fn sides(&self, across: DVec3, eye_m: DVec3, slack_m: f64, behind: Rgb) -> [Rgb; 2] {
         let [from, to] = self.ends_m;
         let to_eye = eye_m - from;
-        let across = (to - from).cross(to_eye).normalize_or_zero();
-        let towards = across.cross(to - from).normalize_or_zero();
-        let seen = |side: f64| {
+        let towards = self.across(eye_m).cross(to - from).normalize_or_zero();
+        [-1.0, 1.0].map(|side| {
             let nearest = self
                 .beside
                 .iter()
@@ -59,8 +70,7 @@ impl SourceEdge {
                 .map(|face| (face.inward.dot(towards), face.normal.dot(to_eye) > 0.0, face.radiance))
                 .reduce(|best, next| if (next.0, next.1) > (best.0, best.1) { next } else { best });
             nearest.map_or(behind, |(_, front, radiance)| if front { radiance } else { Rgb::ZERO })
-        };
-        seen(1.0) - seen(-1.0)
+        })
     }
 }
 
