@@ -31,7 +31,10 @@ impl Surroundings<'_> {
         let speed: DVec3 = (0..3).map(|i| n[i] * (d[i] / r[i])).sum();
         let along_receiver = speed - speed.dot(receiver.plane.normal) * receiver.plane.normal;
         let cosine = receiver.plane.normal.dot(ray).abs();
-        let behind = self.emitted_behind(receiver.at, receiver.at + r[0] * ray);
+        // On the source's very line, so that the source itself is not behind it.
+        let [from, to] = edge.ends_m;
+        let along = (to - from).normalize_or_zero();
+        let behind = self.emitted_behind(receiver.at, from + along.dot(receiver.at + r[0] * ray - from) * along);
         let step = edge.step(receiver.at, self.coplanar_m(), behind);
         let jump = step * (cosine * along_receiver.length_squared() / (d[0] * d[1] * d[2]).abs());
         if jump.is_finite() { jump } else { Rgb::ZERO }

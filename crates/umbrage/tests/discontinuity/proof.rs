@@ -198,7 +198,9 @@ impl Tally {
             self.explained += 1;
             self.explained_effect += effect;
             if let ([cause], true) = (causes.as_slice(), alone) {
-                if cause.at_end {
+                // What is owed to occluders alone may happen so near that both make one break.
+                let [from, to] = [line.point(at.from - PLACE_M), line.point(at.to + PLACE_M)];
+                if cause.at_end || alone::is_owed_to_occluders(&stage.world, from, to) {
                     continue;
                 }
                 let degree = cause.segment.degree.number();
