@@ -41,8 +41,10 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_roots_of_a_cubic_are_found(a in 0.01..0.3, b in 0.35..0.6, c in 0.65..0.99, scale in -5.0..5.0) {
-            prop_assume!(f64::abs(scale) > 0.1);
+        fn the_roots_of_a_cubic_are_found(
+            a in 0.01..0.3_f64, b in 0.35..0.6_f64, c in 0.65..0.99_f64, scale in -5.0..5.0_f64,
+        ) {
+            prop_assume!(scale.abs() > 0.1);
             let cubic = [-a * b * c, a * b + b * c + c * a, -(a + b + c), 1.0].map(|x| scale * x);
             let found = roots(&cubic);
             prop_assert_eq!(found.len(), 3);

@@ -148,7 +148,8 @@ impl Surroundings<'_> {
     fn of_occluder_plane(&self, receiver: &Receiver, emitter: EmitterId, occluder: PlaneId) -> Rgb {
         let emitter = &self.features.emitters[emitter];
         let plane = self.prepared.planes[occluder].plane;
-        let images = self.chords(emitter, &plane).into_iter().filter_map(|chord| self.plane_image(receiver, chord, plane));
+        let images =
+            self.chords(emitter, &plane).into_iter().filter_map(|chord| self.plane_image(receiver, chord, plane));
         images.map(|image| image.jump(receiver, [emitter.radiance; 2])).sum()
     }
 

@@ -76,10 +76,9 @@ impl Surroundings<'_> {
         }
         let frame = PlaneFrame::new(emitter.plane, emitter.centroid_m);
         let flat = corners.map(|corner| frame.to_2d(corner));
-        let (lo, hi) = flat.fold(
-            (glam::DVec2::INFINITY, glam::DVec2::NEG_INFINITY),
-            |(lo, hi), corner| (lo.min(corner), hi.max(corner)),
-        );
+        let (lo, hi) = flat.fold((glam::DVec2::INFINITY, glam::DVec2::NEG_INFINITY), |(lo, hi), corner| {
+            (lo.min(corner), hi.max(corner))
+        });
         [(lo.x, lo.y), (hi.x, lo.y), (hi.x, hi.y), (lo.x, hi.y)]
             .map(|(x, y)| frame.to_3d(glam::DVec2::new(x, y)))
             .into_iter()
@@ -162,11 +161,8 @@ impl Surroundings<'_> {
                 && hides(nearer)
                 && hides(last)
         };
-        let event = Event::ThreeEdges {
-            emitter: source.emitter,
-            source: source.edge,
-            occluders: [nearer.edge, last.edge],
-        };
+        let event =
+            Event::ThreeEdges { emitter: source.emitter, source: source.edge, occluders: [nearer.edge, last.edge] };
         let beside = |face: FaceId| {
             nearer.is_beside(face) || last.is_beside(face) || self.prepared.edges[source.edge].faces.contains(&face)
         };
@@ -188,8 +184,7 @@ impl Surroundings<'_> {
         interval: [f64; 2],
         beside: impl Fn(FaceId) -> bool,
     ) -> Vec<([f64; 2], FaceId)> {
-        let inner = [1.0 - SHORTEST, SHORTEST].map(|share| share * interval[0] + (1.0 - share) * interval[1]);
-        let [Some(first), Some(final_ray)] = inner.map(|t| ruled.ray(t)) else { return Vec::new() };
+        let [Some(first), Some(final_ray)] = inside(ruled, interval).map(|t| ruled.ray(t)) else { return Vec::new() };
         let reach = Reach::new([first.from, final_ray.from], [first.last, final_ray.last]);
         let slack_m = self.coplanar_m();
         let mut faces: Vec<FaceId> = Vec::new();
@@ -251,25 +246,14 @@ impl Surroundings<'_> {
     }
 
     /// Adds the chords of the curve that an interval of rays leaves on a face.
-    fn chords_of(
-        &self,
-        ruled: &Ruled,
-        interval: [f64; 2],
-        face: FaceId,
-        event: Event,
-        segments: &mut Vec<DSegment>,
-    ) {
+    fn chords_of(&self, ruled: &Ruled, interval: [f64; 2], face: FaceId, event: Event, segments: &mut Vec<DSegment>) {
         let point = |t: f64| ruled.ray(t).map(|ray| ray.from + self.reach_of(face, &ray) * ray.direction());
-        // The ends of an interval are roots: a rounding farther there may be no ray.
-        let inner = [1.0 - SHORTEST, SHORTEST].map(|share| share * interval[0] + (1.0 - share) * interval[1]);
-        let [Some(from), Some(to)] = inner.map(point) else { return };
-        let [Some(before), Some(after)] = [0.25, 0.75].map(|share| point(inner[0] + share * (inner[1] - inner[0])))
-        else {
-            return;
-        };
-        let span_m = [from, before, after].windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f64>()
-            + after.distance(to);
-        let mut waiting = vec![(inner, [from, to], 0)];
+        let interval = inside(ruled, interval);
+        let at = |share: f64| point(interval[0] + share * (interval[1] - interval[0]));
+        let [Some(from), Some(before), Some(after), Some(to)] = [0.0, 0.25, 0.75, 1.0].map(at) else { return };
+        let span_m =
+            [from, before, after].windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f64>() + after.distance(to);
+        let mut waiting = vec![(interval, [from, to], 0)];
         while let Some(([t0, t1], ends_m, halvings)) = waiting.pop() {
             let along = (ends_m[1] - ends_m[0]).normalize_or_zero();
             let sag_m = |share: f64| {
@@ -278,7 +262,10 @@ impl Surroundings<'_> {
             };
             let middle = 0.5 * (t0 + t1);
             match point(middle) {
-                Some(at) if halvings < MOST_HALVINGS && [0.25, 0.5, 0.75].into_iter().any(|share| sag_m(share) > SAG * span_m) => {
+                Some(at)
+                    if halvings < MOST_HALVINGS
+                        && [0.25, 0.5, 0.75].into_iter().any(|share| sag_m(share) > SAG * span_m) =>
+                {
                     waiting.push(([middle, t1], [at, ends_m[1]], halvings + 1));
                     waiting.push(([t0, middle], [ends_m[0], at], halvings + 1));
                 }
@@ -286,6 +273,13 @@ impl Surroundings<'_> {
             }
         }
     }
+}
+
+/// An interval without its ends where there is no ray at those: they are roots, a rounding farther the ray misses an edge.
+fn inside(ruled: &Ruled, [from, to]: [f64; 2]) -> [f64; 2] {
+    let step = SHORTEST * (to - from);
+    let end = |exact: f64, inner: f64| if ruled.ray(exact).is_some() { exact } else { inner };
+    [end(from, from + step), end(to, to - step)]
 }
 
 /// The parts of an interval, divided at `ends`, in whose middles there is an answer; neighbours with the same one are united.

@@ -163,8 +163,9 @@ pub fn is_owed_to_occluders(world: &World, from: DVec3, to: DVec3) -> bool {
             for third in edges[j + 1..].iter().filter(|third| !one.meets(third) && !other.meets(third)) {
                 let Some(at_third) = third.passed_at(eye, ray) else { continue };
                 let farthest = at[0].max(at[1]).max(at_third);
-                let behind_a_source =
-                    [(one, at[0]), (other, at[1]), (third, at_third)].iter().any(|(edge, at)| edge.lit && *at == farthest);
+                let behind_a_source = [(one, at[0]), (other, at[1]), (third, at_third)]
+                    .iter()
+                    .any(|(edge, at)| edge.lit && *at == farthest);
                 if !behind_a_source
                     && changes(&|eye| one.plane(eye).cross(other.plane(eye)).dot(third.plane(eye)))
                     && sees_light(world, eye, ray, farthest)

@@ -379,7 +379,8 @@ fn three_edges_leave_a_hyperbola_in_chords() {
     let of_these = |segment: &&&DSegment| match segment.event {
         Event::ThreeEdges { source, occluders, .. } => {
             let ends = |edge: EdgeId| prepared.edges[edge].ends.map(|end| prepared.vertices_m[end] + prepared.origin_m);
-            let flat = |edge: EdgeId, axis: DVec3| ends(edge)[0].dot(axis).abs().max(ends(edge)[1].dot(axis).abs()) < 1e-6;
+            let flat =
+                |edge: EdgeId, axis: DVec3| ends(edge)[0].dot(axis).abs().max(ends(edge)[1].dot(axis).abs()) < 1e-6;
             let upright = ends(occluders[1])[0].z != ends(occluders[1])[1].z;
             flat(source, DVec3::Y) && flat(occluders[0], DVec3::X) && upright
         }
