@@ -3,9 +3,10 @@
 //! Indirect light is gathered from all faces, from each as exactly as it can matter there:
 //! - of a strong one the part that the point sees is found exactly, and what that part reflects is summed down the face's
 //!   patches ([`Reflected`]). So a shadow in indirect light is as sharp as it is, however coarse the links are;
-//! - of a weak one the whole factor is exact, and one ray or a few tell how much of it is seen, of its
-//!   subpatches where it reflects unevenly;
-//! - where much stands before a strong one, its subpatches are looked at one by one, and are weak sooner or later.
+//! - of a weak one the whole factor is exact, and one ray or a few tell how much of it is seen, of its subpatches where it
+//!   reflects unevenly;
+//! - where much stands before a strong one, its subpatches are looked at one by one, past what stands before it, and are
+//!   weak sooner or later.
 //!
 //! No light passes a wall either way. Links have no part in this: they are linear over their receivers, and at the borders
 //! of these the sum over all faint sources would jump, which refinement would take for shadows.
@@ -13,26 +14,33 @@
 //! Before: a point lies inside its triangle, never on an edge or a contact: there the limit depends on the direction, and
 //! the caller chooses it by where it puts the point.
 
+use std::f64::consts::PI;
+
 use glam::DVec2;
 use smallvec::SmallVec;
 
 use super::field::Field;
 use super::reflected::{FlatPatch, Reflected, Term};
-use crate::id::{PatchId, Table};
+use crate::id::{FaceId, PatchId, Table};
 use crate::mesh::{Mesh, Patch};
 use crate::prepare::Prepared;
 use crate::scene::Rgb;
 use crate::transport::form_factor::factor_in_view;
 use crate::transport::{DirectLight, Linear};
-use crate::visibility::{FEW_SHADOWS, FlatSource, PlaneView, ReceiverPoint, Visibility};
+use crate::visibility::{FlatSource, PlaneView, ReceiverPoint, Visibility};
 
 /// A patch that could not bring more than this share of the mean irradiance is weak: what a few rays err about the part of
 /// it that is seen is a fraction of that, and independent from patch to patch.
 const WEAK_OF_MEAN: f64 = 2e-2;
-/// Below this share of what is weak one ray tells whether a patch is seen.
-const ONE_RAY_OF_WEAK: f64 = 0.25;
+/// Below this share of what is weak a patch is faint: one ray tells whether it is seen.
+const FAINT_OF_WEAK: f64 = 0.25;
 /// Rays to a weak patch above that.
 const RAYS: usize = 4;
+/// A patch with subpatches is looked at as a whole past at most so many faces: the time that shadows take grows with the square
+/// of their number.
+const MOST_BETWEEN: usize = 12;
+/// A faint patch farther away than so many of its radii is a point: what that errs of its factor is about a hundredth.
+const FAR_RADII: f64 = 8.0;
 
 /// Evaluates irradiance at points.
 #[derive(Debug)]
@@ -51,6 +59,7 @@ struct ReflectingPatch {
     source: FlatSource,
     middle_m: DVec2,
     radius_m: f64,
+    area_m2: f64,
     /// The most that it reflects anywhere, in W/m2.
     greatest: f64,
 }
@@ -73,6 +82,7 @@ impl<'a> Irradiance<'a> {
             ReflectingPatch {
                 middle_m: *centroid_m,
                 radius_m: corners_m.iter().map(|corner_m| corner_m.distance(*centroid_m)).fold(0.0, f64::max),
+                area_m2: patch.area_m2,
                 greatest: reflected.greatest(id),
                 source: FlatSource { frame: *mesh.frame(patch.face), corners_m: corners_m.clone(), plane },
             }
@@ -99,50 +109,51 @@ impl<'a> Irradiance<'a> {
     fn add_terms(&self, receiver: &ReceiverPoint, terms: &mut impl FnMut(Term)) {
         for &root in &self.roots {
             if let Some(view) = self.visibility.view(receiver, &self.sources[root].source) {
-                self.add_patch(receiver, &view, root, terms);
+                self.add_patch(&Sight { receiver, view, among: None }, root, terms);
             }
         }
     }
 
-    /// Adds the terms of a patch in the plane that `view` views.
-    fn add_patch(&self, receiver: &ReceiverPoint, view: &PlaneView, patch: PatchId, terms: &mut impl FnMut(Term)) {
-        let ReflectingPatch { source, greatest, .. } = &self.sources[patch];
-        let factor = self.sources[patch].factor(view);
-        let most_of_mean = greatest * factor / self.mean;
+    /// Adds the terms of a patch in the plane that is viewed.
+    fn add_patch(&self, sight: &Sight<'_>, patch: PatchId, terms: &mut impl FnMut(Term)) {
+        let Sight { receiver, view, among } = sight;
+        let reflecting = &self.sources[patch];
+        if reflecting.greatest <= 0.0 || view.over_horizon_m(reflecting.middle_m) <= -reflecting.radius_m {
+            return;
+        }
+        let most = |factor: f64| reflecting.greatest * factor / self.mean;
+        let from_afar = reflecting.factor_from_afar(view).filter(|&factor| most(factor) < FAINT_OF_WEAK * WEAK_OF_MEAN);
+        let factor = from_afar.unwrap_or_else(|| reflecting.factor(view));
+        let most_of_mean = most(factor);
         if most_of_mean <= 0.0 {
             return;
         }
         let subpatches = self.reflected.subpatches(patch);
         if most_of_mean < WEAK_OF_MEAN {
             if subpatches.is_none() || self.reflected.is_linear(patch, factor) {
-                let rays = if most_of_mean < ONE_RAY_OF_WEAK * WEAK_OF_MEAN { 1 } else { RAYS };
-                return self.add_rays(receiver, view, patch, (factor, rays), terms);
+                let rays = if most_of_mean < FAINT_OF_WEAK * WEAK_OF_MEAN { 1 } else { RAYS };
+                return self.add_rays(sight, patch, (factor, rays), terms);
             }
-        } else {
-            let most_shadows = if subpatches.is_some() { FEW_SHADOWS } else { usize::MAX };
-            match self.visibility.seen_past(receiver, *view, source, most_shadows) {
-                Some(seen) if seen.is_nothing() => return,
-                Some(seen) => return self.reflected.add_terms(view, patch, seen, terms),
-                None => {}
-            }
+            return subpatches.into_iter().flatten().for_each(|part| self.add_patch(sight, part, terms));
         }
-        subpatches.into_iter().flatten().for_each(|part| self.add_patch(receiver, view, part, terms));
+        let Some(beam) = self.visibility.beam(receiver, *view, &reflecting.source) else { return };
+        let between = self.visibility.between(&beam, *among);
+        let sight = Sight { among: Some(&between), ..*sight };
+        if between.len() > MOST_BETWEEN && subpatches.is_some() {
+            return subpatches.into_iter().flatten().for_each(|part| self.add_patch(&sight, part, terms));
+        }
+        let seen = self.visibility.seen_in(beam, sight.among);
+        if !seen.is_nothing() {
+            self.reflected.add_terms(view, patch, seen, terms);
+        }
     }
 
     /// Adds what rays see of a patch of this factor, as if it were so all over it above the horizon.
-    fn add_rays(
-        &self,
-        receiver: &ReceiverPoint,
-        view: &PlaneView,
-        patch: PatchId,
-        (factor, rays): (f64, usize),
-        terms: &mut impl FnMut(Term),
-    ) {
+    fn add_rays(&self, sight: &Sight<'_>, patch: PatchId, (factor, rays): (f64, usize), terms: &mut impl FnMut(Term)) {
         let ReflectingPatch { source, middle_m, .. } = &self.sources[patch];
-        let planes = [receiver.plane, source.plane];
-        let is_seen = |at_m| !self.visibility.occluded(receiver.position_m, source.frame.to_3d(at_m), planes);
+        let view = &sight.view;
         if rays == 1 {
-            if is_seen(*middle_m) {
+            if self.sees(sight, source, *middle_m) {
                 terms(self.reflected.term_of_whole(view, patch, factor));
             }
             return;
@@ -155,7 +166,7 @@ impl<'a> Irradiance<'a> {
             let along = view.towards_m(at_m);
             let exchange = view.normal.dot(along).max(0.0) * view.height_m / along.length_squared().powi(2);
             whole += exchange;
-            if exchange > 0.0 && is_seen(at_m) {
+            if exchange > 0.0 && self.sees(sight, source, at_m) {
                 seen.push((exchange, at_m));
             }
         }
@@ -163,16 +174,35 @@ impl<'a> Irradiance<'a> {
             terms(Term::new(patch, factor * exchange / whole, at_m - *middle_m));
         }
     }
+
+    /// Whether a point of a source is seen.
+    fn sees(&self, sight: &Sight<'_>, source: &FlatSource, at_m: DVec2) -> bool {
+        let (from_m, to_m) = (sight.receiver.position_m, source.frame.to_3d(at_m));
+        !self.visibility.occluded_among(sight.among, from_m, to_m, [sight.receiver.plane, source.plane])
+    }
+}
+
+/// A point that looks at a plane.
+struct Sight<'a> {
+    receiver: &'a ReceiverPoint,
+    view: PlaneView,
+    /// The faces that may stand between; all where none are given.
+    among: Option<&'a [FaceId]>,
 }
 
 impl ReflectingPatch {
-    /// Factor of a point to the patch, if nothing stood between; 0 where the patch reflects nothing.
+    /// Factor of a point to the patch, if nothing stood between.
     fn factor(&self, view: &PlaneView) -> f64 {
-        if self.greatest <= 0.0 || view.over_horizon_m(self.middle_m) <= -self.radius_m {
-            return 0.0;
-        }
         let above = view.above_horizon(&self.source.corners_m);
         factor_in_view(view, above.as_deref().unwrap_or(&self.source.corners_m)).max(0.0)
+    }
+
+    /// The same as if it were a point, where it is far away and wholly above the horizon.
+    fn factor_from_afar(&self, view: &PlaneView) -> Option<f64> {
+        let towards = view.towards_m(self.middle_m);
+        let (over_m, squared) = (view.normal.dot(towards), towards.length_squared());
+        let is_far = squared >= (FAR_RADII * self.radius_m).powi(2) && over_m >= self.radius_m;
+        is_far.then(|| self.area_m2 * over_m * view.height_m / (PI * squared * squared))
     }
 }
 
@@ -199,7 +229,6 @@ impl Field for Indirect<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::id::FaceId;
     use crate::mesh::MeshSettings;
     use crate::progress::Progress;
     use crate::scene::Material;
@@ -207,7 +236,6 @@ mod tests {
     use crate::transport::{FormFactorOracle, link_all};
     use crate::visibility::fixture;
     use glam::DVec3;
-    use std::f64::consts::PI;
 
     /// Irradiance, direct and indirect, at points of a face given by shares of its first and last side.
     fn at_points(

@@ -28,6 +28,7 @@
 use std::ops::ControlFlow;
 
 use glam::{DVec2, DVec3};
+use smallvec::SmallVec;
 
 use super::Visibility;
 use super::shadow::{self, Rounding, Shadows};
@@ -136,6 +137,20 @@ impl Seen {
     }
 }
 
+/// The pyramid from a receiver point over the part of a source above its horizon.
+#[derive(Debug)]
+pub struct Beam<'a> {
+    window: Window<'a>,
+    /// Whether that is all of the source.
+    whole: bool,
+    area_m2: f64,
+    /// The planes of receiver and source.
+    passing: [PlaneId; 2],
+}
+
+/// Faces that may stand between a point and a source.
+pub type Between = SmallVec<[FaceId; 32]>;
+
 /// Corners nearer to a line than this share of the extent of the source lie on it: far above rounding, and far below what is
 /// seen.
 const SLACK_OF_SOURCE: f64 = 4e-9;
@@ -148,21 +163,12 @@ impl Visibility {
 
     /// What `receiver` sees of `source`.
     pub fn seen(&self, receiver: &ReceiverPoint, source: &FlatSource) -> Seen {
-        // Never `None` where any number of shadows will do.
-        self.view(receiver, source)
-            .and_then(|view| self.seen_past(receiver, view, source, usize::MAX))
-            .unwrap_or_default()
+        let beam = self.view(receiver, source).and_then(|view| self.beam(receiver, view, source));
+        beam.map(|beam| self.seen_in(beam, None)).unwrap_or_default()
     }
 
-    /// What `receiver` sees of `source`, unless more than `most_shadows` occluders take something of it: then its parts are
-    /// quicker to look at one by one.
-    pub fn seen_past(
-        &self,
-        receiver: &ReceiverPoint,
-        view: PlaneView,
-        source: &FlatSource,
-        most_shadows: usize,
-    ) -> Option<Seen> {
+    /// The beam from a point over what of a source is above its horizon; `None` where that is nothing.
+    pub fn beam<'a>(&self, receiver: &'a ReceiverPoint, view: PlaneView, source: &'a FlatSource) -> Option<Beam<'a>> {
         let above = view.above_horizon(&source.corners_m);
         let whole = above.is_none();
         let outline = above.unwrap_or_else(|| source.corners_m.clone());
@@ -171,38 +177,57 @@ impl Visibility {
         let rounding = Rounding { slack_m, thin_m2: slack_m * convex::perimeter_m(&outline) };
         let area_m2 = Moments::of(&outline).area_m2;
         if outline.is_empty() || area_m2 <= rounding.thin_m2 {
-            return Some(Seen::default());
+            return None;
         }
-        let window = Window::new(receiver, &source.frame, view, &outline, self.tolerance().weld_m(), rounding);
+        let window = Window::new(receiver, &source.frame, view, outline, self.tolerance().weld_m(), rounding);
+        Some(Beam { window, whole, area_m2, passing: [receiver.plane, source.plane] })
+    }
+
+    /// The faces whose boxes meet a beam; `among` some, or all where none are given.
+    pub fn between(&self, beam: &Beam<'_>, among: Option<&[FaceId]>) -> Between {
+        let mut between = Between::new();
+        self.walk_among(
+            among,
+            |min_m, max_m| beam.window.box_may_occlude(min_m, max_m),
+            |face| {
+                if !beam.passing.contains(&self.plane(face)) {
+                    between.push(face);
+                }
+                ControlFlow::Continue(())
+            },
+        );
+        between
+    }
+
+    /// What is seen in a beam past some faces, or past all where none are given.
+    pub fn seen_in(&self, beam: Beam<'_>, among: Option<&[FaceId]>) -> Seen {
+        let Beam { window, whole, area_m2, passing } = beam;
+        let thin_m2 = window.rounding.thin_m2;
         let mut shadows = Shadows::new();
         let mut most_m2: f64 = 0.0;
-        self.walk(
+        self.walk_among(
+            among,
             |min_m, max_m| window.box_may_occlude(min_m, max_m),
             |face| {
-                let plane = self.plane(face);
-                if plane == receiver.plane || plane == source.plane {
+                if passing.contains(&self.plane(face)) {
                     return ControlFlow::Continue(());
                 }
                 if let Some((shadow, shadow_m2)) = window.shadow(self.boundary_m(face)) {
                     most_m2 = shadow_m2.max(most_m2);
                     shadows.push(shadow);
                 }
-                let enough = shadows.len() > most_shadows || most_m2 >= area_m2 - rounding.thin_m2;
-                if enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                if most_m2 >= area_m2 - thin_m2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             },
         );
-        if most_m2 >= area_m2 - rounding.thin_m2 {
-            return Some(Seen::default());
+        if most_m2 >= area_m2 - thin_m2 {
+            return Seen::default();
         }
-        if shadows.len() > most_shadows {
-            return None;
-        }
-        let shadows = shadow::without_overlap(&outline, shadows, rounding);
+        let shadows = shadow::without_overlap(&window.outline, shadows, window.rounding);
         let dark_m2: f64 = shadows.iter().map(|shadow| Moments::of(shadow).area_m2).sum();
-        if area_m2 - dark_m2 <= THIN_LIT * rounding.thin_m2 {
-            return Some(Seen::default());
+        if area_m2 - dark_m2 <= THIN_LIT * thin_m2 {
+            return Seen::default();
         }
-        Some(Seen { outline, whole, shadows })
+        Seen { outline: window.outline, whole, shadows }
     }
 }
 

@@ -120,14 +120,40 @@ impl Visibility {
 
     /// Visits every face whose box passes `meets(min_m, max_m)`, until `visit` breaks. A box that contains a passing box
     /// must pass too.
-    pub(crate) fn walk(&self, meets: impl Fn(DVec3, DVec3) -> bool, mut visit: impl FnMut(FaceId) -> ControlFlow<()>) {
+    pub(crate) fn walk(&self, meets: impl Fn(DVec3, DVec3) -> bool, visit: impl FnMut(FaceId) -> ControlFlow<()>) {
+        self.walk_nodes(|node| meets(node.min.as_dvec3(), node.max.as_dvec3()), &meets, visit);
+    }
+
+    /// Visits those of some faces whose boxes pass, as [`Self::walk`]; of all faces where none are given.
+    pub(crate) fn walk_among(
+        &self,
+        among: Option<&[FaceId]>,
+        meets: impl Fn(DVec3, DVec3) -> bool,
+        mut visit: impl FnMut(FaceId) -> ControlFlow<()>,
+    ) {
+        let Some(faces) = among else { return self.walk(meets, visit) };
+        for &face in faces {
+            let bounds = &self.faces[face];
+            if meets(bounds.min_m, bounds.max_m) && visit(face).is_break() {
+                return;
+            }
+        }
+    }
+
+    /// As [`Self::walk`], with a test of its own for the boxes of nodes: it may pass more.
+    pub(super) fn walk_nodes(
+        &self,
+        node_meets: impl Fn(&Aabb) -> bool,
+        meets: impl Fn(DVec3, DVec3) -> bool,
+        mut visit: impl FnMut(FaceId) -> ControlFlow<()>,
+    ) {
         let mut stack: smallvec::SmallVec<[u32; 64]> = smallvec::SmallVec::new();
         if !self.tree.nodes.is_empty() {
             stack.push(0);
         }
         while let Some(index) = stack.pop() {
             let node = &self.tree.nodes[index as usize];
-            if !meets(node.aabb().min.as_dvec3(), node.aabb().max.as_dvec3()) {
+            if !node_meets(node.aabb()) {
                 continue;
             }
             let first = node.first_index;

@@ -14,8 +14,7 @@ mod shaft;
 mod view;
 mod wedge;
 
-pub use beam::{FlatSource, ReceiverPoint, Seen, SourcePolygon};
+pub use beam::{Beam, Between, FlatSource, ReceiverPoint, Seen, SourcePolygon};
 pub use index::Visibility;
-pub(crate) use shadow::FEW_SHADOWS;
 pub use shadow::Shadows;
 pub use view::PlaneView;

@@ -8,7 +8,7 @@
 
 use std::ops::ControlFlow;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 
 use super::Visibility;
 use crate::geometry::predicate::orient_3d;
@@ -17,21 +17,37 @@ use crate::id::{FaceId, PlaneId};
 impl Visibility {
     /// Whether a face crosses the open segment between two points; faces in the planes `passing` are passed through.
     pub fn occluded(&self, from_m: DVec3, to_m: DVec3, passing: [PlaneId; 2]) -> bool {
+        self.occluded_among(None, from_m, to_m, passing)
+    }
+
+    /// Whether one of some faces does, or any where none are given.
+    pub(crate) fn occluded_among(
+        &self,
+        among: Option<&[FaceId]>,
+        from_m: DVec3,
+        to_m: DVec3,
+        passing: [PlaneId; 2],
+    ) -> bool {
         let mut hit = false;
-        self.walk_along(from_m, to_m, |face| {
+        let visit = |face| {
             if passing.contains(&self.plane(face)) {
                 return ControlFlow::Continue(());
             }
             hit = self.is_crossed(face, from_m, to_m);
             if hit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        });
+        };
+        let slabs = Slabs::new(from_m, to_m);
+        match among {
+            Some(_) => self.walk_among(among, |min_m, max_m| slabs.meet(min_m, max_m), visit),
+            None => self.walk_along(&slabs, visit),
+        }
         hit
     }
 
     /// The faces that cross the open segment between two points, but for those in the plane `passing`.
     pub fn crossed(&self, from_m: DVec3, to_m: DVec3, passing: PlaneId) -> Vec<FaceId> {
         let mut crossed = Vec::new();
-        self.walk_along(from_m, to_m, |face| {
+        self.walk_along(&Slabs::new(from_m, to_m), |face| {
             if self.plane(face) != passing && self.is_crossed(face, from_m, to_m) {
                 crossed.push(face);
             }
@@ -45,23 +61,55 @@ impl Visibility {
         boundary[1..].windows(2).any(|pair| crosses(from_m, to_m, [boundary[0], pair[0], pair[1]]))
     }
 
-    /// Visits the faces whose boxes the segment between two points meets.
-    fn walk_along(&self, from_m: DVec3, to_m: DVec3, visit: impl FnMut(FaceId) -> ControlFlow<()>) {
+    /// Visits the faces whose boxes a segment meets.
+    fn walk_along(&self, slabs: &Slabs, visit: impl FnMut(FaceId) -> ControlFlow<()>) {
+        self.walk_nodes(|node| slabs.may_meet(node.min, node.max), |min_m, max_m| slabs.meet(min_m, max_m), visit);
+    }
+}
+
+/// A segment, made for the question which boxes it meets: those whose slabs along the axes it is in at one time.
+struct Slabs {
+    from_m: DVec3,
+    per_m: DVec3,
+    /// The start in `f32`, moved by its rounding either way.
+    around_m: [Vec3A; 2],
+    per_m_rounded: Vec3A,
+}
+
+impl Slabs {
+    fn new(from_m: DVec3, to_m: DVec3) -> Self {
         // Finite, so that a box whose border the ray starts on, along an axis that it does not follow, is not lost as NaN.
-        let per_m = (to_m - from_m).recip().clamp(DVec3::MIN, DVec3::MAX);
-        let meets = |min_m: DVec3, max_m: DVec3| {
-            let (to_min, to_max) = ((min_m - from_m) * per_m, (max_m - from_m) * per_m);
-            let near = to_min.min(to_max).max_element().max(0.0);
-            let far = to_min.max(to_max).min_element().min(1.0);
-            near <= far + SLAB_SLACK
-        };
-        self.walk(meets, visit);
+        let per_m = (to_m - from_m).recip().clamp(DVec3::splat(-MOST_PER_M), DVec3::splat(MOST_PER_M));
+        let (start, grown) = (from_m.as_vec3a(), Vec3A::splat((ROUNDED_START * from_m.abs().max_element()) as f32));
+        Self { from_m, per_m, around_m: [start - grown, start + grown], per_m_rounded: per_m.as_vec3a() }
+    }
+
+    fn meet(&self, min_m: DVec3, max_m: DVec3) -> bool {
+        let (to_min, to_max) = ((min_m - self.from_m) * self.per_m, (max_m - self.from_m) * self.per_m);
+        let near = to_min.min(to_max).max_element().max(0.0);
+        let far = to_min.max(to_max).min_element().min(1.0);
+        near <= far + SLAB_SLACK
+    }
+
+    /// The same in `f32`, where rounding never loses a box: but it may pass one more (Ize, *Robust BVH ray traversal*, 2013).
+    fn may_meet(&self, min_m: Vec3A, max_m: Vec3A) -> bool {
+        let to_min = (min_m - self.around_m[1]) * self.per_m_rounded;
+        let to_max = (max_m - self.around_m[0]) * self.per_m_rounded;
+        let near = to_min.min(to_max).max_element().max(0.0);
+        let far = to_min.max(to_max).min_element().min(1.0);
+        near <= far + ROUNDED_SLACK
     }
 }
 
 /// Rounding of the parameters at which a ray enters and leaves a box, as a share of the ray: boxes may only be missed
 /// where the exact test would miss their faces.
 const SLAB_SLACK: f64 = 1e-12;
+/// The same in `f32`: parameters between 0 and 1 are good to some 3e-7.
+const ROUNDED_SLACK: f32 = 1e-6;
+/// The start of a ray is rounded by less than this share of its greatest coordinate.
+const ROUNDED_START: f64 = 1.2e-7;
+/// In place of infinity where a ray does not follow an axis: finite in `f32`, whatever a scene's extent is in metres.
+const MOST_PER_M: f64 = 1e25;
 
 /// Whether a closed triangle crosses an open segment, by exact signs.
 fn crosses(from: DVec3, to: DVec3, [p, q, r]: [DVec3; 3]) -> bool {

@@ -12,7 +12,7 @@ use crate::geometry::convex::{self, Convex, Moments};
 pub type Shadows = Vec<Convex>;
 
 /// A part of the source with more shadows than this is halved: the time that cutting takes grows with the square.
-pub(crate) const FEW_SHADOWS: usize = 12;
+const FEW_SHADOWS: usize = 12;
 /// Parts are halved at most this often: 1/64 of the source each way.
 const MOST_HALVINGS: usize = 12;
 

@@ -76,8 +76,8 @@ pub(super) struct Window<'a> {
     on_receiver_m: f64,
     /// Within this distance from the source's plane a corner counts as in it.
     on_source_m: f64,
-    pub(super) outline: &'a [DVec2],
-    rounding: Rounding,
+    pub(super) outline: Convex,
+    pub(super) rounding: Rounding,
     /// Normals of the beam's sides, inward, through the receiver point; and the least height over them that counts.
     beam_sides: SmallVec<[(DVec3, f64); 8]>,
 }
@@ -87,7 +87,7 @@ impl<'a> Window<'a> {
         receiver: &'a ReceiverPoint,
         frame: &'a PlaneFrame,
         view: PlaneView,
-        outline: &'a [DVec2],
+        outline: Convex,
         weld_m: f64,
         rounding: Rounding,
     ) -> Self {
@@ -103,9 +103,9 @@ impl<'a> Window<'a> {
             horizon: Plane::through(receiver.position_m, receiver.normal),
             on_receiver_m: weld_m,
             on_source_m: weld_m.min(IN_SOURCE_OF_HEIGHT * view.height_m),
+            beam_sides: convex::long_sides(&outline, rounding.slack_m).map(to_side).collect(),
             outline,
             rounding,
-            beam_sides: convex::long_sides(outline, rounding.slack_m).map(to_side).collect(),
         }
     }
 
@@ -150,7 +150,7 @@ impl<'a> Window<'a> {
         // What only touches a side has no shadow beyond rounding.
         let narrow = |(p, q): (DVec2, DVec2)| inward((p, q)) - self.rounding.slack_m * p.distance(q) * DVec3::Z;
         let no_side_has_it = |side: DVec3| homogeneous.iter().all(|q| side.dot(*q) <= 0.0);
-        let sides = || convex::long_sides(self.outline, self.rounding.slack_m);
+        let sides = || convex::long_sides(&self.outline, self.rounding.slack_m);
         if sides().map(narrow).any(no_side_has_it) {
             return None;
         }
