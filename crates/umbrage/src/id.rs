@@ -55,6 +55,8 @@ typed_id! {
     PlaneId,
     /// A prepared face: convex, plane, one-sided, of one material.
     FaceId,
+    /// A crowd of faces: a node of the spatial index.
+    ClusterId,
     /// A polygonal emitter: touching coplanar faces of one radiance.
     EmitterId,
     /// A discontinuity segment on a face.

@@ -12,8 +12,7 @@ use rayon::prelude::*;
 use smallvec::SmallVec;
 
 use super::field::{Places, distinct};
-use super::irradiance::Irradiance;
-use super::reflected::Term;
+use super::irradiance::{Irradiance, Terms};
 use crate::id::{PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
@@ -56,7 +55,7 @@ pub fn bounce(
         let light = Irradiance::new(prepared, visibility, mesh, &looked_at.reflected, looked_at.mean_irradiance(mesh));
         let bounced_light = BouncedLight::gather(mesh, &places, &light, progress)?;
         for _ in 0..MOST_BOUNCES {
-            let gathered = bounced_light.over_leaves(&solution.reflected);
+            let gathered = bounced_light.over_leaves(&light, &solution.reflected);
             for (leaf, gathered) in bounced_light.leaves.iter().zip(gathered) {
                 let exactly = surfaces.direct[leaf.patch] + gathered;
                 surfaces.missed[leaf.patch] = surfaces.missed[leaf.patch] + exactly - solution.irradiance[leaf.patch];
@@ -83,14 +82,14 @@ pub fn bounce(
 struct BouncedLight {
     leaves: Vec<BouncedLeaf>,
     /// Of the corners, each once.
-    at_corners: Vec<Box<[Term]>>,
+    at_corners: Vec<Terms>,
 }
 
 struct BouncedLeaf {
     patch: PatchId,
     /// Offsets of the corners from the centroid, in metres, and their numbers.
     corners: SmallVec<[(DVec2, u32); 4]>,
-    in_middle: Box<[Term]>,
+    in_middle: Terms,
 }
 
 impl BouncedLight {
@@ -137,9 +136,10 @@ impl BouncedLight {
     }
 
     /// Irradiance of the leaves where patches reflect `radiosity`, in W/m2.
-    fn over_leaves(&self, radiosity: &Table<PatchId, Linear<Rgb>>) -> Vec<Linear<Rgb>> {
-        let sum = |terms: &[Term]| terms.iter().map(|term| term.of(radiosity)).sum::<Rgb>();
-        let at_corners: Vec<Rgb> = self.at_corners.par_iter().map(|terms| sum(terms)).collect();
+    fn over_leaves(&self, light: &Irradiance<'_>, radiosity: &Table<PatchId, Linear<Rgb>>) -> Vec<Linear<Rgb>> {
+        let crowds = light.crowds_of(radiosity);
+        let sum = |terms: &Terms| terms.sum(radiosity, &crowds);
+        let at_corners: Vec<Rgb> = self.at_corners.par_iter().map(sum).collect();
         let over = |leaf: &BouncedLeaf| {
             let corners: SmallVec<[(DVec2, Rgb); 4]> =
                 leaf.corners.iter().map(|&(offset_m, number)| (offset_m, at_corners[number as usize])).collect();

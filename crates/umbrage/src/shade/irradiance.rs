@@ -5,6 +5,7 @@
 //!   patches ([`Reflected`]). So a shadow in indirect light is as sharp as it is, however coarse the links are;
 //! - of a weak one the whole factor is exact, and one ray or a few tell how much of it is seen, of its subpatches where it
 //!   reflects unevenly;
+//! - faces far away that are faint together are a crowd ([`super::crowd`]);
 //! - where much stands before a strong one, its subpatches are looked at one by one, past what stands before it, and are
 //!   weak sooner or later.
 //!
@@ -16,12 +17,13 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use smallvec::SmallVec;
 
+use super::crowd::{Crowd, CrowdTerm, CrowdView, drawn};
 use super::field::Field;
 use super::reflected::{FlatPatch, Reflected, Term};
-use crate::id::{FaceId, PatchId, Table};
+use crate::id::{ClusterId, FaceId, PatchId, Table};
 use crate::mesh::{Mesh, Patch};
 use crate::prepare::Prepared;
 use crate::scene::Rgb;
@@ -42,12 +44,20 @@ const MOST_BETWEEN: usize = 12;
 /// A faint patch farther away than so many of its radii is a point: what that errs of its factor is about a hundredth.
 const FAR_RADII: f64 = 8.0;
 
+/// Faces that together could not bring more than this share of the mean irradiance are a crowd, where they are far away.
+const CROWD_OF_MEAN: f64 = 2e-3;
+
 /// Evaluates irradiance at points.
 #[derive(Debug)]
 pub struct Irradiance<'a> {
+    prepared: &'a Prepared,
     visibility: &'a Visibility,
+    mesh: &'a Mesh,
     reflected: Reflected<'a>,
-    roots: Vec<PatchId>,
+    /// What the faces of each cluster send.
+    crowds: Table<ClusterId, Crowd>,
+    /// The most that they could send if all of them reflected as their brightest points do, in W.
+    most: Table<ClusterId, f64>,
     sources: Table<PatchId, ReflectingPatch>,
     /// Mean irradiance of all faces, over the three colours, in W/m2.
     pub(super) mean: f64,
@@ -68,13 +78,13 @@ impl<'a> Irradiance<'a> {
     /// Prepares the evaluation of what patches reflect, or of a change of it, in a scene whose mean irradiance is `mean`, in
     /// W/m2.
     pub fn new(
-        prepared: &Prepared,
+        prepared: &'a Prepared,
         visibility: &'a Visibility,
         mesh: &'a Mesh,
         reflected: &'a Table<PatchId, Linear<Rgb>>,
         mean: Rgb,
     ) -> Self {
-        let roots: Vec<PatchId> = prepared.faces.keys().map(|face| mesh.root(face)).collect();
+        let crowds = crowds(prepared, visibility, mesh, reflected);
         let reflected = Reflected::new(mesh, reflected, mean.max_element());
         let reflecting = |(id, patch): (PatchId, &Patch)| {
             let FlatPatch { corners_m, centroid_m, .. } = reflected.flat(id);
@@ -87,31 +97,73 @@ impl<'a> Irradiance<'a> {
                 source: FlatSource { frame: *mesh.frame(patch.face), corners_m: corners_m.clone(), plane },
             }
         };
-        let sources = mesh.patches().map(reflecting).collect();
-        Self { visibility, reflected, roots, sources, mean: mean.element_sum() / 3.0 }
+        let sources: Table<PatchId, ReflectingPatch> = mesh.patches().map(reflecting).collect();
+        let most = visibility.over_clusters(0.0, |face| {
+            let root = &sources[mesh.root(face)];
+            root.greatest.max(0.0) * root.area_m2
+        });
+        Self { prepared, visibility, mesh, reflected, crowds, most, sources, mean: mean.element_sum() / 3.0 }
     }
 
     /// Irradiance by reflection, in W/m2, at a point; below zero where what is reflected falls so steeply that its linear fit
     /// does.
     pub fn indirect(&self, receiver: &ReceiverPoint) -> Rgb {
         let mut sum = Rgb::ZERO;
-        self.add_terms(receiver, &mut |term| sum += self.reflected.of(&term));
-        sum
+        let crowds = self.add_terms(receiver, &mut |term| sum += self.reflected.of(&term));
+        sum + crowds.iter().map(|term| term.of(&self.crowds)).sum::<Rgb>()
     }
 
     /// The terms of which irradiance by reflection at a point is the sum, for other light that patches reflect about as much of.
-    pub(super) fn terms(&self, receiver: &ReceiverPoint) -> Box<[Term]> {
-        let mut terms = Vec::new();
-        self.add_terms(receiver, &mut |term| terms.push(term));
-        terms.into_boxed_slice()
+    pub(super) fn terms(&self, receiver: &ReceiverPoint) -> Terms {
+        let mut of_patches = Vec::new();
+        let of_crowds = self.add_terms(receiver, &mut |term| of_patches.push(term));
+        Terms { of_patches: of_patches.into_boxed_slice(), of_crowds: of_crowds.into_boxed_slice() }
     }
 
-    fn add_terms(&self, receiver: &ReceiverPoint, terms: &mut impl FnMut(Term)) {
-        for &root in &self.roots {
-            if let Some(view) = self.visibility.view(receiver, &self.sources[root].source) {
-                self.add_patch(&Sight { receiver, view, among: None }, root, terms);
+    /// What crowds send where patches reflect `radiosity`, in W/m2.
+    pub(super) fn crowds_of(&self, radiosity: &Table<PatchId, Linear<Rgb>>) -> Table<ClusterId, Crowd> {
+        crowds(self.prepared, self.visibility, self.mesh, radiosity)
+    }
+
+    /// Adds the terms of patches that are not in crowds; those of crowds are returned.
+    fn add_terms(&self, receiver: &ReceiverPoint, terms: &mut impl FnMut(Term)) -> Vec<CrowdTerm> {
+        let mut of_crowds = Vec::new();
+        let mut open: SmallVec<[ClusterId; 64]> = self.visibility.whole_cluster().into_iter().collect();
+        while let Some(id) = open.pop() {
+            let cluster = self.visibility.cluster(id);
+            let Some(view) = CrowdView::new(receiver.position_m, receiver.normal, &cluster) else { continue };
+            if self.most[id] <= 0.0 {
+                continue;
+            }
+            if view.most(self.most[id]).is_some_and(|most| most < CROWD_OF_MEAN * self.mean) {
+                if self.sees_crowd(receiver, id, view.towards()) {
+                    of_crowds.push(view.term(id));
+                }
+                continue;
+            }
+            open.extend(cluster.parts.into_iter().flatten());
+            for face in self.visibility.cluster_faces(id) {
+                let root = self.mesh.root(face);
+                if let Some(view) = self.visibility.view(receiver, &self.sources[root].source) {
+                    self.add_patch(&Sight { receiver, view, among: None }, root, terms);
+                }
             }
         }
+        of_crowds
+    }
+
+    /// Whether a ray to one of its faces sees a crowd, which sends `towards` the point.
+    fn sees_crowd(&self, receiver: &ReceiverPoint, crowd: ClusterId, towards: DVec3) -> bool {
+        let sent = |face: FaceId| {
+            let root = self.mesh.root(face);
+            let cosine = self.sources[root].source.frame.plane.normal.dot(towards).max(0.0);
+            cosine * self.sources[root].area_m2 * self.sources[root].greatest.max(0.0)
+        };
+        drawn(self.visibility, &self.crowds, sent, crowd, towards).is_some_and(|face| {
+            let ReflectingPatch { source, middle_m, .. } = &self.sources[self.mesh.root(face)];
+            let planes = [receiver.plane, source.plane];
+            !self.visibility.occluded(receiver.position_m, source.frame.to_3d(*middle_m), planes)
+        })
     }
 
     /// Adds the terms of a patch in the plane that is viewed.
@@ -182,6 +234,34 @@ impl<'a> Irradiance<'a> {
     }
 }
 
+/// The terms of what a point receives.
+#[derive(Debug)]
+pub(super) struct Terms {
+    of_patches: Box<[Term]>,
+    of_crowds: Box<[CrowdTerm]>,
+}
+
+impl Terms {
+    /// Their sum where patches reflect `radiosity` and crowds send what they do then, in W/m2.
+    pub(super) fn sum(&self, radiosity: &Table<PatchId, Linear<Rgb>>, crowds: &Table<ClusterId, Crowd>) -> Rgb {
+        self.of_patches.iter().map(|term| term.of(radiosity)).sum::<Rgb>()
+            + self.of_crowds.iter().map(|term| term.of(crowds)).sum::<Rgb>()
+    }
+}
+
+/// What the faces of each cluster send where patches reflect `radiosity`, in W/m2.
+fn crowds(
+    prepared: &Prepared,
+    visibility: &Visibility,
+    mesh: &Mesh,
+    radiosity: &Table<PatchId, Linear<Rgb>>,
+) -> Table<ClusterId, Crowd> {
+    visibility.over_clusters(Crowd::default(), |face| {
+        let root = mesh.root(face);
+        Crowd::of_face(prepared.normal(face), mesh.patch(root).area_m2 * radiosity[root].mean)
+    })
+}
+
 /// A point that looks at a plane.
 struct Sight<'a> {
     receiver: &'a ReceiverPoint,
@@ -235,7 +315,6 @@ mod tests {
     use crate::solve::{SolveSettings, Surfaces, solve};
     use crate::transport::{FormFactorOracle, link_all};
     use crate::visibility::fixture;
-    use glam::DVec3;
 
     /// Irradiance, direct and indirect, at points of a face given by shares of its first and last side.
     fn at_points(

@@ -4,6 +4,7 @@ mod assemble;
 mod baked_mesh;
 mod bounce;
 mod corner_group;
+mod crowd;
 mod element;
 mod field;
 mod interpolated;

@@ -10,6 +10,7 @@ pub mod form_factor;
 mod lamps;
 mod link;
 mod oracle;
+mod pairs;
 mod sample;
 mod subdivide;
 

@@ -14,7 +14,7 @@
 //! has a lit and a dark side, and a link would average them. (The paper removes D0 hints after linking; then light leaks
 //! under walls.) Links stay at their nodes when another pair splits these further.
 //!
-//! All pairs of faces are subdivided first, one after the other, since that changes the mesh; then the links' form factors
+//! All pairs of faces that could exchange much ([`super::pairs`]) are subdivided first, one after the other, since that changes the mesh; then the links' form factors
 //! are computed in parallel, each written at its own index.
 //!
 //! Before: no patch that held a D0 hint has been split yet.
@@ -26,12 +26,14 @@ use rayon::prelude::*;
 use super::exchange::link_both_ways;
 use super::link::{Links, Node};
 use super::oracle::{Decision, Oracle};
-use crate::id::FaceId;
+use super::pairs::pairs;
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::visibility::Visibility;
 
+/// So many pairs of faces are subdivided between two reports of progress.
+const PAIRS_PER_REPORT: usize = 64;
 /// So many links are computed between two reports of progress.
 const LINKS_PER_REPORT: usize = 256;
 
@@ -47,15 +49,11 @@ pub fn link_all(
     progress: Progress<'_>,
 ) -> Result<Links, Cancelled> {
     let mut subdivision = Subdivision { mesh, oracle, divided_by_d0: Vec::new(), pairs: Vec::new() };
-    let faces = prepared.faces.len();
-    for p in 0..faces {
-        progress.report(Stage::Transport, subdivision.pairs.len(), 0)?;
-        for q in p + 1..faces {
-            let [p, q] = [p, q].map(FaceId::from);
-            if prepared.faces[p].plane != prepared.faces[q].plane {
-                subdivision.subdivide(subdivision.mesh.root(p), subdivision.mesh.root(q));
-            }
+    for (number, [p, q]) in pairs(prepared, visibility).into_iter().enumerate() {
+        if number.is_multiple_of(PAIRS_PER_REPORT) {
+            progress.report(Stage::Transport, subdivision.pairs.len(), 0)?;
         }
+        subdivision.subdivide(subdivision.mesh.root(p), subdivision.mesh.root(q));
     }
     let (pairs, mesh) = (subdivision.pairs, &*mesh);
     let done = AtomicUsize::new(0);
@@ -125,7 +123,7 @@ impl<O: Oracle> Subdivision<'_, O> {
 mod tests {
     use super::*;
     use crate::discontinuity::{DSegment, Degree, Event};
-    use crate::id::{EdgeId, Table};
+    use crate::id::{EdgeId, FaceId, Table};
     use crate::mesh::MeshSettings;
     use crate::transport::{FormFactorOracle, Link};
     use crate::visibility::fixture;

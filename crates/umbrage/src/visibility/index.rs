@@ -101,6 +101,16 @@ impl Visibility {
         Self { tree, faces, corners_m, tolerance: prepared.tolerance }
     }
 
+    /// The tree of boxes.
+    pub(super) fn tree(&self) -> &Bvh2 {
+        &self.tree
+    }
+
+    /// Whether there are no faces.
+    pub(super) fn is_empty(&self) -> bool {
+        self.faces.is_empty()
+    }
+
     /// Tolerances of the scene that was indexed.
     pub fn tolerance(&self) -> Tolerance {
         self.tolerance

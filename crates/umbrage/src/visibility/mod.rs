@@ -5,6 +5,7 @@
 //! value.
 
 mod beam;
+mod cluster;
 #[cfg(test)]
 pub(crate) mod fixture;
 mod index;
@@ -15,6 +16,7 @@ mod view;
 mod wedge;
 
 pub use beam::{Beam, Between, FlatSource, ReceiverPoint, Seen, SourcePolygon};
+pub use cluster::Cluster;
 pub use index::Visibility;
 pub use shadow::Shadows;
 pub use view::PlaneView;
