@@ -12,7 +12,7 @@ use umbrage::prepare::{self, Prepared};
 use umbrage::progress::Progress;
 use umbrage::scene::Scene;
 use umbrage::visibility::Visibility;
-use umbrage_bench::box_field;
+use umbrage_bench::{box_field, usage};
 
 const LAMPS: usize = 3;
 /// d-segments that are weaker than this share of the mean are left out: a tenth of what a bake at a tolerance of 1 % leaves out.
@@ -46,15 +46,20 @@ fn sizes() -> Vec<usize> {
 fn main() {
     for faces in sizes() {
         let field = Field::new(faces);
-        let begin = Instant::now();
+        let (begin, cpu_before, peak_before) = (Instant::now(), usage::cpu_seconds(), usage::peak_bytes());
         let Discontinuities { segments, wedges, .. } = field.find();
         let seconds = begin.elapsed().as_secs_f64();
+        let each = 1.0 / segments.len().max(1) as f64;
+        let cpu = cpu_before.zip(usage::cpu_seconds()).map_or(f64::NAN, |(before, after)| after - before);
+        let bytes = peak_before.zip(usage::peak_bytes()).map_or(f64::NAN, |(before, after)| (after - before) as f64);
         println!(
-            "{faces} faces: {} d-segments of {} bytes from {wedges} wedges in {seconds:.2} s: {:.1} us for each, {:.0} wedges/s",
+            "{faces} faces: {} d-segments from {wedges} wedges in {seconds:.2} s, {cpu:.2} s of processors, {:.0} wedges/s; each \
+             d-segment {:.1} us of processors, {} bytes to keep, {:.0} at the most while it is searched",
             segments.len(),
-            size_of::<DSegment>(),
-            1e6 * seconds / segments.len().max(1) as f64,
             wedges as f64 / seconds,
+            1e6 * cpu * each,
+            size_of::<DSegment>(),
+            bytes * each,
         );
     }
     divan::main();

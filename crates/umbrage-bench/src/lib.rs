@@ -4,6 +4,8 @@
 //! half the width of the field. Twice as many faces are twice as many boxes on twice the floor, each of the same size: the
 //! lamps grow with the floor, so that the share of boxes that stand in one another's light stays what it is.
 
+pub mod usage;
+
 use glam::{DQuat, DVec3};
 use umbrage::id::NodeId;
 use umbrage::scene::{Material, Node, Rgb, Scene, Surface};

@@ -4,6 +4,7 @@
 //! cargo run --release -p umbrage-bench -- suite
 //! cargo run --release -p umbrage-bench -- compare bench-runs/A.json bench-runs/B.json
 //! cargo run --release -p umbrage-bench -- convergence
+//! cargo run --release -p umbrage-bench -- weak
 //! ```
 //!
 //! Each bake of the suite is a process of its own, since the most memory that a process held never falls again: the program
@@ -20,11 +21,12 @@ mod reference;
 mod scenes;
 mod suite;
 mod table;
-mod usage;
+mod weak;
 
 use std::io::{self, Write};
 
 use clap::{Parser, Subcommand};
+use umbrage_bench::usage;
 
 /// Whole bakes of the light baker Umbrage, measured
 #[derive(Debug, Parser)]
@@ -39,6 +41,7 @@ enum Command {
     Suite(suite::SuiteArgs),
     Compare(compare::CompareArgs),
     Convergence(convergence::ConvergenceArgs),
+    Weak(weak::WeakArgs),
     #[command(hide = true)]
     One(measure::OneArgs),
 }
@@ -48,6 +51,7 @@ fn main() -> anyhow::Result<()> {
         Command::Suite(args) => suite::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Convergence(args) => convergence::run(&args),
+        Command::Weak(args) => weak::run(&args),
         Command::One(args) => measure::run(&args),
     }
 }

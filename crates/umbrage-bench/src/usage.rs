@@ -17,26 +17,26 @@ fn usage() -> Option<Usage> {
 
 /// Processor time of all threads, in seconds.
 #[cfg(unix)]
-pub(crate) fn cpu_seconds() -> Option<f64> {
+pub fn cpu_seconds() -> Option<f64> {
     let usage = usage()?;
     Some([usage.user_time(), usage.system_time()].iter().map(|t| t.tv_sec() as f64 + 1e-6 * t.tv_usec() as f64).sum())
 }
 
 /// Processor time of all threads, in seconds.
 #[cfg(not(unix))]
-pub(crate) fn cpu_seconds() -> Option<f64> {
+pub fn cpu_seconds() -> Option<f64> {
     None
 }
 
 /// The most memory that was held at a time, in bytes.
 #[cfg(unix)]
-pub(crate) fn peak_bytes() -> Option<u64> {
+pub fn peak_bytes() -> Option<u64> {
     Some(u64::try_from(usage()?.max_rss()).ok()? * MEMORY_UNIT_BYTES)
 }
 
 /// The most memory that was held at a time, in bytes.
 #[cfg(not(unix))]
-pub(crate) fn peak_bytes() -> Option<u64> {
+pub fn peak_bytes() -> Option<u64> {
     None
 }
 

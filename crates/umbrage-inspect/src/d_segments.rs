@@ -94,6 +94,11 @@ impl Writer<'_> {
                 .with("emitter", emitter.index().to_string())
                 .with("source", self.edge(source))
                 .with("occluder", self.edge(occluder)),
+            Event::ThreeEdges { emitter, source, occluders: [nearer, last] } => record
+                .with("emitter", emitter.index().to_string())
+                .with("source", self.edge(source))
+                .with("nearer", self.edge(nearer))
+                .with("occluder", self.edge(last)),
             Event::VertexEdge { emitter, source, occluder } => record
                 .with("emitter", emitter.index().to_string())
                 .with("source", self.vertex(source))

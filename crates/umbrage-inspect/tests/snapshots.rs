@@ -53,6 +53,11 @@ fn d_segments_of_a_turned_plate_are_as_before() {
 }
 
 #[test]
+fn d_segments_of_two_crossed_bars_are_as_before() {
+    d_segments_are_as_before("events_crossed.obj", "events_crossed.d-segments");
+}
+
+#[test]
 fn d_segments_of_an_upright_plate_are_as_before() {
     d_segments_are_as_before("events_upright.obj", "events_upright.d-segments");
 }

@@ -106,6 +106,10 @@ impl Teller<'_> {
             Event::EdgeEdge { emitter, occluder, .. } => {
                 format!("{name}: an edge of {} before an edge of {}", self.edge(occluder), self.emitter(emitter))
             }
+            Event::ThreeEdges { emitter, occluders: [nearer, last], .. } => {
+                let (nearer, last) = (self.edge(nearer), self.edge(last));
+                format!("{name}: an edge of {last} before one of {nearer} before an edge of {}", self.emitter(emitter))
+            }
             Event::VertexEdge { emitter, occluder, .. } => {
                 format!("{name}: an edge of {} before a corner of {}", self.edge(occluder), self.emitter(emitter))
             }

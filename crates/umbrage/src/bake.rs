@@ -37,9 +37,6 @@ const FMAX: f64 = 0.04;
 /// as small.
 const MIN_AREA_OF_TOTAL: f64 = 7e-4;
 
-/// d-segments that change irradiance by less than this share of the tolerance are left out.
-const WEAK_OF_TOLERANCE: f64 = 1.0;
-
 /// How a scene is baked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BakeSettings {
@@ -58,7 +55,9 @@ pub struct BakeSettings {
     pub prepare: PrepareSettings,
     /// Whether shadow boundaries are calculated and cut into the mesh.
     pub discontinuities: bool,
-    /// Whether those of what reflects much are, too.
+    /// d-segments that change irradiance by less than this share of the tolerance are left out; 0 keeps all.
+    pub weak_of_tolerance: f64,
+    /// Whether those of what reflects much are calculated, too.
     pub secondary_sources: bool,
     /// When the iteration ends.
     pub solve: SolveSettings,
@@ -76,6 +75,7 @@ impl Default for BakeSettings {
             mend_bad_shapes: true,
             prepare: PrepareSettings::default(),
             discontinuities: true,
+            weak_of_tolerance: 1.0,
             secondary_sources: true,
             solve: SolveSettings::default(),
             shade: ShadeSettings::default(),
@@ -86,7 +86,7 @@ impl Default for BakeSettings {
 impl BakeSettings {
     /// d-segments weaker than this share of the mean irradiance are not looked at.
     fn weak_share(&self) -> f64 {
-        if self.shade.tolerance.is_finite() { WEAK_OF_TOLERANCE * self.shade.tolerance } else { 0.0 }
+        if self.shade.tolerance.is_finite() { self.weak_of_tolerance * self.shade.tolerance } else { 0.0 }
     }
 
     /// `Fmax`, given or as the tolerance asks.

@@ -77,6 +77,15 @@ pub enum Event {
         /// Vertex of the occluder.
         occluder: VertexId,
     },
+    /// EEE: an edge of the source and two edges of occluders, no two in one plane.
+    ThreeEdges {
+        /// The emitter.
+        emitter: EmitterId,
+        /// Edge of the source.
+        source: EdgeId,
+        /// Edges of the occluders, first the one that is nearer to the source.
+        occluders: [EdgeId; 2],
+    },
     /// An occluder edge before a lamp without extent.
     LampEdge {
         /// The lamp.
@@ -96,6 +105,7 @@ impl Event {
             Self::EdgeEdge { .. } => "edge-edge",
             Self::VertexEdge { .. } => "vertex-edge",
             Self::EdgeVertex { .. } => "edge-vertex",
+            Self::ThreeEdges { .. } => "edge-edge-edge",
             Self::LampEdge { .. } => "lamp-edge",
         }
     }
@@ -122,30 +132,47 @@ impl DSegment {
         self.face.cmp(&other.face).then(self.event.cmp(&other.event))
     }
 
-    /// The part of the edge in a vertex-edge or edge-vertex event that makes this segment: where the rays to its two ends
-    /// pass the edge, as shares of the edge from its first end, ascending. The rest of the edge is hidden, or casts on
-    /// other faces. `None` for events that are not of one vertex and one edge.
+    /// The part of an edge that makes this segment: in a vertex-edge or edge-vertex event where the rays to its two ends pass the
+    /// event's edge, in one of three edges where they leave the source's, as shares of the edge from its first end,
+    /// ascending. The rest of the edge is hidden, or casts on other faces. `None` for all other events.
     pub fn visible_interval(&self, prepared: &Prepared) -> Option<[f64; 2]> {
         let (vertex, edge) = match self.event {
             Event::VertexEdge { source, occluder, .. } => (source, occluder),
             Event::EdgeVertex { source, occluder, .. } => (occluder, source),
+            Event::ThreeEdges { source, occluders, .. } => {
+                return Some(self.interval_of(|end| source_share(prepared, end, source, occluders)));
+            }
             _ => return None,
         };
         let apex = prepared.vertices_m[vertex];
         let [from, to] = prepared.edges[edge].ends.map(|end| prepared.vertices_m[end]);
         let across = (from - apex).cross(to - from);
-        let mut at = self.ends_m.map(|end| {
+        Some(self.interval_of(|end| {
             // The ray from the apex meets the edge's line where both span the same area with the edge.
             let ray = end - apex;
-            let share = (from - apex).cross(ray).dot(across) / ray.cross(to - from).dot(across);
-            share.clamp(0.0, 1.0)
-        });
+            (from - apex).cross(ray).dot(across) / ray.cross(to - from).dot(across)
+        }))
+    }
+
+    /// The shares of both ends, ascending.
+    fn interval_of(&self, share: impl Fn(DVec3) -> f64) -> [f64; 2] {
+        let mut at = self.ends_m.map(|end| share(end).clamp(0.0, 1.0));
         at.sort_by(f64::total_cmp);
-        Some(at)
+        at
     }
 
     /// Its length, in metres.
     pub fn length_m(&self) -> f64 {
         self.ends_m[0].distance(self.ends_m[1])
     }
+}
+
+/// Where a ray from `eye` that passes two occluder edges meets the line of a source edge, as a share of the edge.
+fn source_share(prepared: &Prepared, eye: DVec3, source: EdgeId, occluders: [EdgeId; 2]) -> f64 {
+    let line = |edge: EdgeId| prepared.edges[edge].ends.map(|end| prepared.vertices_m[end] - eye);
+    let [normal, other] = occluders.map(line).map(|[p, q]| p.cross(q).normalize_or_zero());
+    let [from, to] = line(source);
+    let turn = |normal: DVec3| normal.dot(to - from);
+    let normal = if turn(normal).abs() > turn(other).abs() { normal } else { other };
+    -normal.dot(from) / turn(normal)
 }

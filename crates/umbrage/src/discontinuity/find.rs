@@ -109,7 +109,7 @@ struct Pairs<'a> {
     prepared: &'a Prepared,
     features: &'a Features,
     /// Where the numbers of each kind end.
-    ends: [usize; 6],
+    ends: [usize; 7],
 }
 
 impl<'a> Pairs<'a> {
@@ -122,6 +122,7 @@ impl<'a> Pairs<'a> {
             features.emitters.len() * prepared.planes.len(),
             features.emitters.len(),
             features.lamps.len() * edges,
+            features.emitters.len() * edges,
         ];
         let mut end = 0;
         let ends = counts.map(|count| {
@@ -132,7 +133,7 @@ impl<'a> Pairs<'a> {
     }
 
     fn count(&self) -> usize {
-        self.ends[5]
+        self.ends[6]
     }
 
     fn trace(&self, number: usize, around: &Surroundings<'_>) -> Vec<DSegment> {
@@ -158,9 +159,13 @@ impl<'a> Pairs<'a> {
                 around.occluder_plane(EmitterId::from(source), PlaneId::from(occluder))
             }
             4 => around.source_plane(EmitterId::from(number)),
-            _ => {
+            5 => {
                 let (lamp, occluder) = pair(occluders.edges.len());
                 around.lamp_edge(LampId::from(lamp), &occluders.edges[occluder])
+            }
+            _ => {
+                let (source, occluder) = pair(occluders.edges.len());
+                around.three_edges(EmitterId::from(source), &occluders.edges[occluder])
             }
         }
     }

@@ -8,6 +8,7 @@
 //! | 1 | an occluder's face seen edge-on before a source | `occluder_plane` |
 //! | 1 | the source's own plane | `source_plane` |
 //! | 2 | every other VE and EV: a corner of one, an edge of the other | `event` |
+//! | 2 | EEE: an edge of the source and two of occluders | `three_edges` |
 
 mod contact;
 mod corner;
@@ -21,11 +22,16 @@ mod in_plane;
 mod lamp;
 mod merge;
 mod occluder_plane;
+mod plane_image;
+mod polynomial;
+mod ruled;
 mod secondary;
 mod silhouette;
 mod source;
 mod source_plane;
 mod strength;
+mod strength_of_three;
+mod three_edges;
 mod trace;
 mod wedge;
 

@@ -26,6 +26,11 @@ impl OccluderEdge {
         self.faces.iter().any(|&(own, _)| own == face)
     }
 
+    /// The faces along the edge.
+    pub(super) fn faces(&self) -> impl Iterator<Item = FaceId> + '_ {
+        self.faces.iter().map(|&(face, _)| face)
+    }
+
     /// Which sides of a plane through the edge its faces hide: in front, behind.
     pub(super) fn hidden_sides(&self, plane: &Plane, slack_m: f64) -> [bool; 2] {
         let heights_m = || self.faces.iter().map(|&(_, inside)| plane.signed_distance_m(inside));

@@ -31,20 +31,38 @@ pub(super) struct SourceEdge {
     pub(super) edge: EdgeId,
     /// The first emitter along it.
     pub(super) emitter: EmitterId,
+    /// All emitters along it, ascending.
+    pub(super) emitters: SmallVec<[EmitterId; 2]>,
     pub(super) ends: [VertexId; 2],
     pub(super) ends_m: [DVec3; 2],
     beside: SmallVec<[Beside; 2]>,
 }
 
 impl SourceEdge {
+    /// The normals of the faces along the edge.
+    pub(super) fn normals(&self) -> impl Iterator<Item = DVec3> + '_ {
+        self.beside.iter().map(|face| face.normal)
+    }
+
     /// By how much radiance steps across the edge, as it is seen from `eye_m` before a background that emits `behind`. Faces
     /// whose plane is within `slack_m` of the eye are seen edge-on.
     pub(super) fn step(&self, eye_m: DVec3, slack_m: f64, behind: Rgb) -> Rgb {
+        let [left, right] = self.sides(self.across(eye_m), eye_m, slack_m, behind);
+        right - left
+    }
+
+    /// The normal of the plane through the edge and an eye.
+    fn across(&self, eye_m: DVec3) -> DVec3 {
+        (self.ends_m[1] - self.ends_m[0]).cross(eye_m - self.ends_m[0]).normalize_or_zero()
+    }
+
+    /// The radiance on both sides of the edge, as [`Self::step`] sees it: behind a plane through edge and eye with the normal
+    /// `across`, and in front of it.
+    pub(super) fn sides(&self, across: DVec3, eye_m: DVec3, slack_m: f64, behind: Rgb) -> [Rgb; 2] {
         let [from, to] = self.ends_m;
         let to_eye = eye_m - from;
-        let across = (to - from).cross(to_eye).normalize_or_zero();
-        let towards = across.cross(to - from).normalize_or_zero();
-        let seen = |side: f64| {
+        let towards = self.across(eye_m).cross(to - from).normalize_or_zero();
+        [-1.0, 1.0].map(|side| {
             let nearest = self
                 .beside
                 .iter()
@@ -52,8 +70,7 @@ impl SourceEdge {
                 .map(|face| (face.inward.dot(towards), face.normal.dot(to_eye) > 0.0, face.radiance))
                 .reduce(|best, next| if (next.0, next.1) > (best.0, best.1) { next } else { best });
             nearest.map_or(behind, |(_, front, radiance)| if front { radiance } else { Rgb::ZERO })
-        };
-        seen(1.0) - seen(-1.0)
+        })
     }
 }
 
@@ -73,6 +90,8 @@ pub(super) struct SourceVertex {
 pub(super) struct Sources {
     pub(super) edges: Vec<SourceEdge>,
     pub(super) vertices: Vec<SourceVertex>,
+    /// Numbers of the edges along each emitter, ascending.
+    pub(super) of_emitter: Table<EmitterId, Vec<usize>>,
 }
 
 impl Sources {
@@ -83,7 +102,10 @@ impl Sources {
         }
         let mut edges = Vec::new();
         for (id, edge) in prepared.edges.iter_enumerated() {
-            let Some(emitter) = edge.faces.iter().filter_map(|&face| of_face[face]).min() else { continue };
+            let mut along: SmallVec<[EmitterId; 2]> = edge.faces.iter().filter_map(|&face| of_face[face]).collect();
+            along.sort_unstable();
+            along.dedup();
+            let Some(&emitter) = along.first() else { continue };
             if let &[one, other] = edge.faces.as_slice() {
                 let inside = of_face[one] == of_face[other] && prepared.faces[one].plane == prepared.faces[other].plane;
                 if inside && prepared.faces[one].facing == prepared.faces[other].facing {
@@ -91,20 +113,24 @@ impl Sources {
                 }
             }
             let ends_m = edge.ends.map(|vertex| prepared.vertices_m[vertex]);
-            let along = (ends_m[1] - ends_m[0]).normalize_or_zero();
+            let direction = (ends_m[1] - ends_m[0]).normalize_or_zero();
             let beside = |&face: &FaceId| {
                 let into = polygon::centroid(&prepared.polygon_m(face)) - ends_m[0];
                 Beside {
-                    inward: (into - into.dot(along) * along).normalize_or_zero(),
+                    inward: (into - into.dot(direction) * direction).normalize_or_zero(),
                     normal: prepared.normal(face),
                     radiance: scene.materials[prepared.faces[face].material].radiance,
                 }
             };
             let beside = edge.faces.iter().map(beside).collect();
-            edges.push(SourceEdge { edge: id, emitter, ends: edge.ends, ends_m, beside });
+            edges.push(SourceEdge { edge: id, emitter, emitters: along, ends: edge.ends, ends_m, beside });
         }
         let vertices = vertices(prepared, &edges);
-        Self { edges, vertices }
+        let mut of_emitter: Table<EmitterId, Vec<usize>> = emitters.iter().map(|_| Vec::new()).collect();
+        for (number, edge) in edges.iter().enumerate() {
+            edge.emitters.iter().for_each(|&emitter| of_emitter[emitter].push(number));
+        }
+        Self { edges, vertices, of_emitter }
     }
 }
 

@@ -5,9 +5,10 @@
 //! in the image by the angle `delta sin (1/d - 1/r)`. Irradiance is radiance times the cosine at the receiver, summed over
 //! the solid angle that is seen. So there jumps
 //! - behind two lines in one plane (degree 1) the slope, by the sum of radiance, cosine and that speed over the angle in
-//!   which the lines are seen upon one another;
+//!   which the lines are seen upon one another (`plane_image`);
 //! - behind a corner and a line (degree 2) the curvature, by radiance, cosine, that speed squared, and the jump of slope
 //!   of the corner's image (`corner`);
+//! - behind three lines (degree 2) the curvature (`strength_of_three`);
 //! - in the source's plane the slope, by the sum of radiance and cosine over `r3` and the area that is seen;
 //! - behind a lamp without extent (degree 0) the value, by all that it brings;
 //! - at a contact (degree 0) the value, at most by what the emitters give there unhindered.
@@ -54,11 +55,11 @@ const MISSED_KINK: f64 = 1.0 / 32.0;
 const MISSED_CURVATURE: f64 = 0.021_447;
 
 /// The receiver at a point of a d-segment.
-struct Receiver {
-    face: FaceId,
-    at: DVec3,
+pub(super) struct Receiver {
+    pub(super) face: FaceId,
+    pub(super) at: DVec3,
     /// Its plane, towards its front.
-    plane: Plane,
+    pub(super) plane: Plane,
     /// Unit vector in it across the segment.
     across: DVec3,
 }
@@ -74,6 +75,7 @@ impl Surroundings<'_> {
             Event::SourcePlane { emitter } => self.of_source_plane(&receiver, emitter),
             Event::OccluderPlane { emitter, occluder } => self.of_occluder_plane(&receiver, emitter, occluder),
             Event::EdgeEdge { source, occluder, .. } => self.of_edges(&receiver, source, occluder),
+            Event::ThreeEdges { source, occluders, .. } => self.of_three_edges(&receiver, source, occluders),
             Event::VertexEdge { source, occluder, .. } => {
                 let corner = self.position(source);
                 let behind = self.emitted_behind(at, corner);
@@ -134,73 +136,21 @@ impl Surroundings<'_> {
 
     /// Behind a source edge and an occluder edge in one plane.
     fn of_edges(&self, receiver: &Receiver, source: EdgeId, occluder: EdgeId) -> Rgb {
-        let (Some(edge), Some(hider)) = (self.features.source_edge(source), self.features.occluders.of(occluder))
-        else {
-            return Rgb::ZERO;
-        };
-        let Some(view) = self.view(receiver, edge.ends_m, 1.0, |face| hider.is_beside(face)) else { return Rgb::ZERO };
-        let Some(line) = view.wedge.piece(receiver.face, Crossing::Through, hider.ends_m) else { return Rgb::ZERO };
-        let behind = self.emitted_behind(receiver.at, view.wedge.point(0.5 * (line.s[0] + line.s[1]), 1.0));
-        let step = edge.step(hider.ends_m[0].midpoint(hider.ends_m[1]), self.coplanar_m(), behind);
-        step * view.sum(
-            receiver,
-            |s| {
-                let inside = (line.s[0] < s && s < line.s[1]).then(|| line.nearness_at(s));
-                inside.map_or(0.0, |nearness| (nearness - 1.0).max(0.0))
-            },
-            &line.s,
-        )
+        let (Some(edge), hider) = (self.features.source_edge(source), self.ends(occluder)) else { return Rgb::ZERO };
+        let Some(plane) = self.common_plane(edge.ends_m, hider) else { return Rgb::ZERO };
+        let Some(image) = self.plane_image(receiver, edge.ends_m, plane) else { return Rgb::ZERO };
+        let Some(line) = image.place_of(hider) else { return Rgb::ZERO };
+        let behind = self.emitted_behind(receiver.at, line);
+        image.jump(receiver, edge.sides(plane.normal, hider[0].midpoint(hider[1]), self.coplanar_m(), behind))
     }
 
     /// Where the faces of a plane are seen edge-on before an emitter.
     fn of_occluder_plane(&self, receiver: &Receiver, emitter: EmitterId, occluder: PlaneId) -> Rgb {
         let emitter = &self.features.emitters[emitter];
         let plane = self.prepared.planes[occluder].plane;
-        let faces: Vec<(FaceId, f64)> =
-            self.features.faces_in(occluder).map(|face| (face, self.free_sides(face, &plane))).collect();
-        let mut sum = 0.0;
-        for chord in self.chords(emitter, &plane) {
-            let beside = |face: FaceId| faces.iter().any(|&(own, _)| self.share_an_edge(own, face));
-            let Some(view) = self.view(receiver, chord, 1.0, beside) else { continue };
-            for &(face, sides) in &faces {
-                let corners = self.prepared.polygon_m(face);
-                let n = corners.len();
-                let lines = view.lines((0..n).map(|i| [corners[i], corners[(i + 1) % n]]));
-                let ends: SmallVec<[f64; 16]> = lines.iter().flat_map(|line| line.s).collect();
-                // The ray enters the face and leaves it: the lengths that are nearer to the eye than the emitter count.
-                sum += sides
-                    * view.sum(
-                        receiver,
-                        |s| {
-                            let inside = lines.iter().filter(|line| line.s[0] < s && s < line.s[1]);
-                            let (lo, hi) = inside
-                                .map(|line| line.nearness_at(s).max(1.0))
-                                .fold((f64::INFINITY, 1.0_f64), |(lo, hi), n| (lo.min(n), hi.max(n)));
-                            if lo < hi { hi - lo } else { 0.0 }
-                        },
-                        &ends,
-                    );
-            }
-        }
-        emitter.radiance * sum
-    }
-
-    /// To how many sides of its plane a face hides more when it is turned out of the edge-on view: a plate to both, the face
-    /// of a body to one, and one between bodies on both sides to none.
-    fn free_sides(&self, face: FaceId, plane: &Plane) -> f64 {
-        let mut hidden = [false; 2];
-        for side in self.prepared.faces[face].sides.iter().flatten() {
-            if let Some(edge) = self.features.occluders.of(side.edge) {
-                let sides = edge.hidden_sides(plane, self.coplanar_m());
-                hidden = [hidden[0] || sides[0], hidden[1] || sides[1]];
-            }
-        }
-        2.0 - hidden.iter().filter(|&&side| side).count() as f64
-    }
-
-    fn share_an_edge(&self, one: FaceId, other: FaceId) -> bool {
-        let of = |face: FaceId| self.prepared.faces[face].sides.iter().flatten();
-        of(one).any(|side| of(other).any(|own| own.edge == side.edge))
+        let images =
+            self.chords(emitter, &plane).into_iter().filter_map(|chord| self.plane_image(receiver, chord, plane));
+        images.map(|image| image.jump(receiver, [emitter.radiance; 2])).sum()
     }
 
     /// In the plane of an emitter. Nothing stands inside a face, so where a ray reaches the near side of a face it sees
@@ -257,7 +207,7 @@ impl Surroundings<'_> {
     }
 
     /// The radiance that comes to `eye` along the ray that passes `point`, from emitters behind it.
-    fn emitted_behind(&self, eye: DVec3, point: DVec3) -> Rgb {
+    pub(super) fn emitted_behind(&self, eye: DVec3, point: DVec3) -> Rgb {
         let ray = point - eye;
         let mut nearest = (f64::INFINITY, Rgb::ZERO);
         for emitter in &self.features.emitters {
@@ -304,23 +254,23 @@ impl Surroundings<'_> {
 }
 
 /// A line on a source, seen from a receiver point.
-struct View {
+pub(super) struct View {
     /// From the point to the line.
-    wedge: Wedge,
+    pub(super) wedge: Wedge,
     /// What stands between.
-    hiding: Vec<Piece>,
+    pub(super) hiding: Vec<Piece>,
 }
 
 impl View {
     /// The parts of lines in the plane that are seen before or behind this one.
-    fn lines(&self, lines: impl Iterator<Item = [DVec3; 2]>) -> SmallVec<[Piece; 8]> {
+    pub(super) fn lines(&self, lines: impl Iterator<Item = [DVec3; 2]>) -> SmallVec<[Piece; 8]> {
         // Any face id does: these pieces stop nothing.
         lines.filter_map(|ends| self.wedge.piece(FaceId::from(0), Crossing::Through, ends)).collect()
     }
 
     /// The sum over the angle in which the line is seen of cosine, speed and `factor(direction)`, which is smooth between
     /// `ends`; the speed is that of a line at nearness `factor + 1` against this one.
-    fn sum(&self, receiver: &Receiver, factor: impl Fn(f64) -> f64, ends: &[f64]) -> f64 {
+    pub(super) fn sum(&self, receiver: &Receiver, factor: impl Fn(f64) -> f64, ends: &[f64]) -> f64 {
         let [u, v] = self.wedge.rays;
         let mut cuts: SmallVec<[f64; 16]> = (0..=PARTS).map(|i| i as f64 / PARTS as f64).collect();
         cuts.extend(ends.iter().copied());

@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 use std::slice;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use umbrage::bake::BakeSettings;
-use umbrage::scene::{Material, Rgb, Scene};
+use umbrage::scene::{Lamp, LampKind, Material, Rgb, Scene};
 use umbrage::shade::ShadeSettings;
 
 use crate::common::Lit;
@@ -141,4 +141,71 @@ fn cuts_along_shadows_in_reflected_light_pay() {
     });
     // Error falls as triangles grow in number.
     assert!(with < without, "{with} and {without}");
+}
+
+/// A spot of light on a ceiling, which alone reflects, with the square around the spot as a face of its own; and the light on
+/// the floor past the leg.
+fn under_a_spot() -> (Scene, impl Fn(Place, &[Vec<DVec3>]) -> f64) {
+    const REFLECTANCE: f64 = 0.8;
+    const PARTS: i32 = 24;
+    let [half_m, height_m] = SOURCE_M;
+    let mut scene = floor_and_leg();
+    let ceiling = |name: &str| Material::diffuse(name, Rgb::splat(REFLECTANCE));
+    add(&mut scene, ceiling("around the spot"), &[looking_down(height_m * DVec3::Z, half_m)]);
+    let around = [0.0, 0.5, 1.0, 1.5].map(|turns| {
+        let turn = DQuat::from_rotation_z(turns * PI);
+        let corners = [(half_m, half_m), (half_m, -half_m), (FLOOR_M, -FLOOR_M), (FLOOR_M, FLOOR_M)];
+        corners.map(|(x, y)| turn * DVec3::new(x, y, height_m)).to_vec()
+    });
+    add(&mut scene, ceiling("ceiling"), &around);
+    let spot = Lamp {
+        name: "spot".into(),
+        kind: LampKind::Spot {
+            // A metre below the ceiling: there the radius is the tangent of the cone's angle.
+            position_m: (height_m - 1.0) * DVec3::Z,
+            direction: DVec3::Z,
+            intensity: Rgb::splat(RADIANCE),
+            range_m: None,
+            inner_rad: (0.5 * half_m).atan(),
+            outer_rad: half_m.atan(),
+        },
+    };
+    let part_m = half_m / f64::from(PARTS);
+    let offset_m = move |i: i32| part_m * f64::from(2 * i + 1 - PARTS);
+    let middles = (0..PARTS * PARTS).map(|i| DVec3::new(offset_m(i % PARTS), offset_m(i / PARTS), height_m));
+    let parts: Vec<(Vec<DVec3>, f64)> = middles
+        .filter_map(|point| {
+            let arriving = spot.arriving(point)?;
+            Some((looking_down(point, part_m), -REFLECTANCE * arriving.towards.z * arriving.irradiance.x))
+        })
+        .collect();
+    scene.lamps.push(spot);
+    let exact = move |place: Place, leg: &[Vec<DVec3>]| {
+        parts.iter().map(|(part, radiosity)| irradiance(place, part, *radiosity, leg)).sum()
+    };
+    (scene, exact)
+}
+
+#[test]
+#[ignore = "eight bakes: a measurement for docs/events.md"]
+fn cuts_along_shadows_in_the_light_of_a_spot_on_a_ceiling_hardly_pay() {
+    let (scene, exact) = under_a_spot();
+    let mut ratios = Vec::new();
+    for tolerance in [0.01, 0.003, 0.002, 0.001] {
+        let [with, without] = [true, false].map(|secondary_sources| {
+            let shade = ShadeSettings { tolerance, ..ShadeSettings::default() };
+            let settings = BakeSettings { secondary_sources, shade, ..BakeSettings::default() };
+            let floor = baked_with(&scene, settings).swap_remove(0);
+            let error = rms(&floor, &across_the_shadow(), |place| exact(place, &leg()));
+            let triangles = floor.len();
+            println!(
+                "{tolerance}, cuts {secondary_sources}: {triangles} triangles, error {error:.6} W/m2 in the shadow"
+            );
+            triangles as f64 * error
+        });
+        ratios.push(with / without);
+    }
+    // This is why no outlines are made around the bright parts of faces: even where the part is a face, little is gained.
+    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    assert!((0.9..1.1).contains(&mean), "{ratios:?}");
 }

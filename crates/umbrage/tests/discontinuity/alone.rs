@@ -1,4 +1,4 @@
-//! Events of occluders alone, and of two occluders and a source: told by their generators.
+//! Events of occluders alone: told by their generators.
 //!
 //! Seen from the eye, three edges pass through one point (EEE), or an edge of one occluder passes a vertex of another, before
 //! an emitter. Both are found by a change of sign over a short step of the eye, and count where the point and an emitter
@@ -54,7 +54,7 @@ fn edges(world: &World) -> Vec<Edge> {
     for (i, one) in world.pieces.iter().enumerate() {
         for other in &world.pieces[i + 1..] {
             if let Some(ends) = common_line(one, other) {
-                edges.push(Edge { ends, lit: false });
+                edges.push(Edge { ends, lit: one.radiance > 0.0 || other.radiance > 0.0 });
             }
         }
     }
@@ -140,7 +140,8 @@ pub fn is_owed_to_two_edges_in_a_plane(world: &World, from: DVec3, to: DVec3) ->
     })
 }
 
-/// Whether an event of occluders alone, or of two occluders and a source edge, happens between two places of the eye.
+/// Whether an event of occluders alone happens between two places of the eye: a vertex of one and an edge of another, or three
+/// edges of which the farthest is not a source's.
 pub fn is_owed_to_occluders(world: &World, from: DVec3, to: DVec3) -> bool {
     let edges = edges(world);
     let eye = from.midpoint(to);
@@ -157,14 +158,17 @@ pub fn is_owed_to_occluders(world: &World, from: DVec3, to: DVec3) -> bool {
         }
         for (j, other) in edges.iter().enumerate().skip(i + 1).filter(|(_, other)| !one.meets(other)) {
             let ray = one.plane(eye).cross(other.plane(eye)).normalize_or_zero();
-            let both = |ray: DVec3| Some((ray, one.passed_at(eye, ray)?.max(other.passed_at(eye, ray)?)));
-            let Some((ray, behind)) = both(ray).or_else(|| both(-ray)) else { continue };
+            let both = |ray: DVec3| Some((ray, [one.passed_at(eye, ray)?, other.passed_at(eye, ray)?]));
+            let Some((ray, at)) = both(ray).or_else(|| both(-ray)) else { continue };
             for third in edges[j + 1..].iter().filter(|third| !one.meets(third) && !other.meets(third)) {
-                let Some(at) = third.passed_at(eye, ray) else { continue };
-                let farthest = behind.max(at);
-                if changes(&|eye| one.plane(eye).cross(other.plane(eye)).dot(third.plane(eye)))
-                    && (sees_light(world, eye, ray, farthest)
-                        || (one.lit || other.lit || third.lit) && is_open(world, eye, ray, farthest))
+                let Some(at_third) = third.passed_at(eye, ray) else { continue };
+                let farthest = at[0].max(at[1]).max(at_third);
+                let behind_a_source = [(one, at[0]), (other, at[1]), (third, at_third)]
+                    .iter()
+                    .any(|(edge, at)| edge.lit && *at == farthest);
+                if !behind_a_source
+                    && changes(&|eye| one.plane(eye).cross(other.plane(eye)).dot(third.plane(eye)))
+                    && sees_light(world, eye, ray, farthest)
                 {
                     return true;
                 }

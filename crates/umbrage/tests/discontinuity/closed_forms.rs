@@ -4,11 +4,13 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3, Vec2Swizzles as _};
 use umbrage::bake::{Traced, trace};
-use umbrage::discontinuity::{DSegment, Degree, Event};
-use umbrage::id::VertexId;
+use umbrage::discontinuity::{DSegment, Degree, Event, Features};
+use umbrage::id::{EdgeId, VertexId};
 use umbrage::prepare::PrepareSettings;
 use umbrage::progress::Progress;
+use umbrage::visibility::Visibility;
 
+use super::breaks::{self, Break};
 use super::random::{Stage, all_moved, block, l_shape, moved, pyramid, rectangle};
 
 /// Rounding of `f32` coordinates, magnified by a shadow, in metres.
@@ -356,4 +358,112 @@ fn the_plane_of_an_upright_plate_under_a_lamp_is_a_line_of_degree_1() {
     assert_eq!(count(&found.on_floor(), "occluder-plane"), 1);
     let least = [DVec2::new(-1.4, 0.1), DVec2::new(1.4, 0.1)];
     assert!(reach > 1.4 && found.covers_on_floor(Degree::D1, least[0], least[1]));
+}
+
+#[test]
+fn three_edges_leave_a_hyperbola_in_chords() {
+    let mut stage = with_floor();
+    // A lamp with an edge along x at y = 0, z = 3; a plate below with an edge along y at x = 0, z = 2; an upright plate with an edge
+    // along z at (-0.3, 0.2).
+    let rectangle = |x: [f64; 2], y: [f64; 2], z: f64| {
+        [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])].map(|(x, y)| DVec3::new(x, y, z)).to_vec()
+    };
+    stage.add(&rectangle([0.5, -0.5], [0.0, 0.4], 3.0), 5.0);
+    stage.add(&rectangle([-1.0, 0.0], [-1.0, 1.0], 2.0), 0.0);
+    let away = DVec3::new(-1.0, 0.7, 0.0);
+    let foot = DVec3::new(-0.3, 0.2, 0.5);
+    let top = foot + 1.3 * DVec3::Z;
+    stage.add(&[foot, foot + away, top + away, top], 0.0);
+    let found = Found::of(&stage);
+    let Traced { prepared, .. } = &found.traced;
+    let of_these = |segment: &&&DSegment| match segment.event {
+        Event::ThreeEdges { source, occluders, .. } => {
+            let ends = |edge: EdgeId| prepared.edges[edge].ends.map(|end| prepared.vertices_m[end] + prepared.origin_m);
+            let flat =
+                |edge: EdgeId, axis: DVec3| ends(edge)[0].dot(axis).abs().max(ends(edge)[1].dot(axis).abs()) < 1e-6;
+            let upright = ends(occluders[1])[0].z != ends(occluders[1])[1].z;
+            flat(source, DVec3::Y) && flat(occluders[0], DVec3::X) && upright
+        }
+        _ => false,
+    };
+    let on_floor = found.on_floor();
+    let chords: Vec<[DVec2; 2]> =
+        on_floor.iter().filter(of_these).map(|segment| found.world(segment).map(DVec3::truncate)).collect();
+    assert!(chords.len() > 1);
+    // From (t, 0, 3) past (0, a, 2), the floor is reached at (-2 t, 3 a), and (-0.3, 0.2) passed where a = 0.2 t / (t + 0.3).
+    let y = |x: f64| 0.6 * x / (x - 0.6);
+    for ends in &chords {
+        for end in ends {
+            assert!((end.y - y(end.x)).abs() < ROUNDING_M, "{end}");
+        }
+        let middle = ends[0].midpoint(ends[1]);
+        assert!((middle.y - y(middle.x)).abs() < 0.01);
+    }
+    // The upright edge ends at z = 0.5 and 1.8, the lamp at t = 0.5: from t = 0.2 on.
+    let x = chords.as_flattened().iter().map(|end| end.x);
+    let (least, most) = x.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), x| (least.min(x), most.max(x)));
+    assert!((least + 1.0).abs() < ROUNDING_M && (most + 0.4).abs() < ROUNDING_M, "{least} {most}");
+    let span = DVec2::new(-1.0, y(-1.0)).distance(DVec2::new(-0.4, y(-0.4)));
+    let whole: f64 = chords.iter().map(|ends| ends[0].distance(ends[1])).sum();
+    assert!(whole > span && whole < 1.05 * span);
+    let interval = on_floor.iter().find(of_these).and_then(|segment| segment.visible_interval(prepared));
+    assert!(interval.is_some_and(|[from, to]| 0.0 <= from && from < to && to <= 0.3 + 1e-5), "{interval:?}");
+}
+
+/// The strengths of all d-segments along y = 0 on the floor at x = `x`, and the jump of slope that is measured there.
+fn strengths_and_jump_at(stage: &Stage, x: f64) -> (Vec<f64>, f64) {
+    let found = Found::of(stage);
+    let Traced { prepared, .. } = &found.traced;
+    let (features, visibility) = (Features::new(&stage.scene, prepared), Visibility::new(prepared));
+    let at = DVec3::new(x, 0.0, 0.0);
+    let here = |segment: &&DSegment| {
+        let [p, q] = found.world(segment);
+        p.y.abs().max(q.y.abs()) < ROUNDING_M && p.x.min(q.x) < x && x < p.x.max(q.x)
+    };
+    let strengths = found
+        .on_floor()
+        .into_iter()
+        .filter(here)
+        .map(|segment| features.jump(prepared, &visibility, segment, at - prepared.origin_m))
+        .collect();
+    let light = |t: f64| stage.world.irradiance(at + (t - 0.05) * DVec3::Y, DVec3::Z);
+    let line = Break { from: 0.05 - 1e-5, to: 0.05 + 1e-5 };
+    (strengths, breaks::jumps(&light, &line, 0.03, 0.07)[1].abs())
+}
+
+#[test]
+fn boards_whose_fronts_lie_in_one_plane_jump_together() {
+    for (name, lamp_middle_m) in [("across the lamp", 0.0), ("along its edge", 0.25), ("along its other edge", -0.25)] {
+        for count in [1, 3] {
+            let mut stage = with_floor();
+            stage.add(&lamp(0.25, DVec3::new(0.0, lamp_middle_m, 2.5)), 10.0);
+            for i in 0..count {
+                let board = DVec3::new(0.5, 0.25, 0.0625);
+                let at = DVec3::new(0.0, board.y, 0.5 + 0.5 * f64::from(i));
+                stage.add_all(&all_moved(&block(board), DQuat::IDENTITY, at), 0.0);
+            }
+            let (strengths, jump) = strengths_and_jump_at(&stage, 0.125);
+            assert!(!strengths.is_empty() && jump > 0.01, "{name}: {strengths:?} {jump}");
+            for strength in strengths {
+                assert!((strength - jump).abs() < 1e-3 * jump, "{count} boards {name}: {strength} {jump}");
+            }
+        }
+    }
+}
+
+#[test]
+fn upright_plates_in_one_plane_jump_together() {
+    for lamp_middle_m in [0.0, 0.25] {
+        let mut stage = with_floor();
+        stage.add(&lamp(0.25, DVec3::new(0.0, lamp_middle_m, 2.5)), 10.0);
+        for z in [0.5, 1.5] {
+            let plate = moved(&rectangle(0.5, 0.25), DQuat::from_rotation_x(TAU / 4.0), z * DVec3::Z);
+            stage.add(&plate, 0.0);
+        }
+        let (strengths, jump) = strengths_and_jump_at(&stage, 0.125);
+        assert!(!strengths.is_empty() && jump > 0.01);
+        for strength in strengths {
+            assert!((strength - jump).abs() < 1e-3 * jump, "{lamp_middle_m}: {strength} {jump}");
+        }
+    }
 }
