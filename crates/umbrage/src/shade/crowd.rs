@@ -111,7 +111,7 @@ impl CrowdView {
 
     /// The most that a crowd of `most` watts could bring if it is seen as one, in W/m2; `None` where it is too near for that.
     pub(super) fn most(&self, most: f64) -> Option<f64> {
-        self.is_far.then(|| most * self.most_per_m2)
+        self.is_far.then_some(most * self.most_per_m2)
     }
 
     /// The unit vector from the crowd to the point.

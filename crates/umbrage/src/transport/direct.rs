@@ -15,6 +15,7 @@ use super::fit::Linear;
 use super::form_factor::factor_of_seen;
 use super::lamps::Lamps;
 use super::sample;
+use glam::DVec2;
 use rayon::prelude::*;
 
 /// An emitting face.
@@ -57,15 +58,29 @@ impl<'a> DirectLight<'a> {
         self.fit(mesh, patch, |receiver| self.at(receiver))
     }
 
+    /// Mean irradiance of a patch, and the mean of how far that of its sample points departs from the best linear fit, in W/m2.
+    pub(super) fn mean_and_departure(&self, mesh: &Mesh, patch: PatchId) -> [Rgb; 2] {
+        let samples = self.samples(mesh, patch, |receiver| self.at(receiver));
+        let fit = Linear::fit(samples.iter().copied());
+        let departure = |&(offset_m, weight, value): &(DVec2, f64, Rgb)| weight * (value - fit.at(offset_m)).abs();
+        [fit.mean, samples.iter().map(departure).sum()]
+    }
+
     /// The best linear fit to a function of the points of a patch.
     fn fit(&self, mesh: &Mesh, patch: PatchId, at: impl Fn(&ReceiverPoint) -> Rgb) -> Linear<Rgb> {
+        Linear::fit(self.samples(mesh, patch, at).into_iter())
+    }
+
+    /// A function of the points of a patch at its sample points: offsets from the centroid, in metres, weights and values.
+    fn samples(&self, mesh: &Mesh, patch: PatchId, at: impl Fn(&ReceiverPoint) -> Rgb) -> Vec<(DVec2, f64, Rgb)> {
         let face = mesh.patch(patch).face;
         let frame = mesh.frame(face);
         let centre = frame.to_2d(mesh.patch(patch).centroid_m);
-        Linear::fit(sample::points(&mesh.polygon_m(patch)).into_iter().map(|(point_m, weight)| {
+        let sample = |(point_m, weight)| {
             let receiver = ReceiverPoint::on_face(self.prepared, face, point_m);
             (frame.to_2d(point_m) - centre, weight, at(&receiver))
-        }))
+        };
+        sample::points(&mesh.polygon_m(patch)).into_iter().map(sample).collect()
     }
 
     /// Irradiance of all leaves, in W/m2; zero for patches that are split.

@@ -13,6 +13,7 @@ mod oracle;
 mod pairs;
 mod sample;
 mod subdivide;
+mod uneven;
 
 pub use brightness::BrightnessOracle;
 pub use direct::DirectLight;
@@ -20,3 +21,4 @@ pub use fit::Linear;
 pub use link::{Link, LinkError, Links, Node};
 pub use oracle::{Decision, FormFactorOracle, Oracle, OracleKind, ParseOracleError};
 pub use subdivide::link_all;
+pub use uneven::split_where_uneven;
