@@ -6,6 +6,7 @@
 //!     store segments as edge split-hints to the patches           Mesh::new
 //!     for each pair of patches p,q with p != q                    transport::link_all
 //!         subdivide(p,q);
+//!     split patches that direct light is uneven on                transport::split_where_uneven
 //!                                                                 solve::solve
 //!     calculate d-segments of what reflects much                  discontinuity::find_secondary
 //!     split patches until all point split-hints and all edge      Mesh::remove_d0_hints
@@ -383,6 +384,10 @@ fn mesh_and_link(
         Some(oracle) => transport::link_all(&prepared, &visibility, &mut mesh, &oracle, progress)?,
         None => transport::link_all(&prepared, &visibility, &mut mesh, &form_factor, progress)?,
     };
+    if settings.shade.tolerance.is_finite() {
+        let direct = DirectLight::new(scene, &prepared, &visibility);
+        transport::split_where_uneven(scene, &prepared, &direct, &mut mesh, progress)?;
+    }
     clock.end_of(Stage::Transport);
     Ok((Meshed { prepared, discontinuities, mesh }, visibility, links))
 }

@@ -5,6 +5,8 @@
 //! Over a patch, a linear fit to such points. Direct light carries the shadows; so it never goes over links, whose factors
 //! are linear over patches that may be large. Links carry what is reflected.
 
+use glam::DVec2;
+
 use crate::id::{FaceId, PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
@@ -15,7 +17,6 @@ use super::fit::Linear;
 use super::form_factor::factor_of_seen;
 use super::lamps::Lamps;
 use super::sample;
-use glam::DVec2;
 use rayon::prelude::*;
 
 /// An emitting face.
