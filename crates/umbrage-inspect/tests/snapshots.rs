@@ -9,6 +9,7 @@ use umbrage::bake::{BakeSettings, bake, subdivided, trace};
 use umbrage::prepare::PrepareSettings;
 use umbrage::progress::Progress;
 use umbrage::scene::Scene;
+use umbrage::shade::ShadeSettings;
 use umbrage_inspect::{d_segments, mesh, patches};
 
 fn testdata(path: &str) -> PathBuf {
@@ -19,9 +20,10 @@ fn scene(name: &str) -> Scene {
     umbrage_formats::read_scene(testdata(&format!("scenes/{name}"))).unwrap().0
 }
 
-/// Patches as large as the d-segments leave them.
+/// Patches as large as the d-segments leave them, for the mesh of the paper.
 fn coarse() -> BakeSettings {
-    BakeSettings { max_form_factor: Some(0.5), min_area_m2: Some(1.0), ..BakeSettings::default() }
+    let shade = ShadeSettings { tolerance: f64::INFINITY, ..ShadeSettings::default() };
+    BakeSettings { max_form_factor: Some(0.5), min_area_m2: Some(1.0), shade, ..BakeSettings::default() }
 }
 
 fn is_as_before(name: &str, text: &str) {

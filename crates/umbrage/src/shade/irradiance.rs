@@ -389,4 +389,41 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_crowd_far_away_brings_what_its_faces_do() {
+        // Cubes on arcs around the origin, one behind the other nowhere, over a floor that looks up at them.
+        let mut polygons = vec![fixture::square(DVec3::ZERO, 1.0, true)];
+        for i in 0..90 {
+            let (sine, cosine) = (f64::from(i) * 2.0 * PI / 90.0).sin_cos();
+            let low = 30.0 * DVec3::new(cosine, sine, 0.3 + 0.1 * f64::from(i % 3));
+            polygons.extend(fixture::outward_box(low, low + 0.5));
+        }
+        let prepared = fixture::prepared(&polygons);
+        let visibility = Visibility::new(&prepared);
+        let mesh = Mesh::new(&prepared, &Table::new(), MeshSettings::default());
+        // Faces that look east are brighter.
+        let bright = |face: FaceId| 1.0 + prepared.normal(face).x.max(0.0);
+        let reflected: Table<PatchId, Linear<Rgb>> = mesh
+            .patches()
+            .map(|(_, patch)| Linear { mean: Rgb::splat(bright(patch.face)), ..Linear::default() })
+            .collect();
+        let light = Irradiance::new(&prepared, &visibility, &mesh, &reflected, Rgb::ONE);
+        let receiver = ReceiverPoint::on_face(&prepared, FaceId::from(0), DVec3::new(0.1, 0.2, 0.0));
+        let one_by_one: f64 = prepared
+            .faces
+            .keys()
+            .filter_map(|face| {
+                let source = FlatSource::of_face(&prepared, face);
+                let view = visibility.view(&receiver, &source)?;
+                Some(bright(face) * factor_in_view(&view, &source.corners_m))
+            })
+            .sum();
+        let crowds = light.terms(&receiver).of_crowds.len();
+        let whole = light.indirect(&receiver).x;
+        assert!(crowds > 0 && crowds < 90, "{crowds} crowds");
+        assert!((whole / one_by_one - 1.0).abs() < 0.03, "{whole} is not {one_by_one}");
+        let by_terms = light.terms(&receiver).sum(&reflected, &light.crowds_of(&reflected)).x;
+        assert!((by_terms / whole - 1.0).abs() < 1e-6, "{by_terms} is not {whole}");
+    }
 }

@@ -168,9 +168,14 @@ fn worst(mut errors: Vec<(PatchId, f64)>, total: f64, target: f64, room: usize) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::discontinuity;
     use crate::id::Table;
     use crate::mesh::MeshSettings;
-    use crate::visibility::{ReceiverPoint, fixture};
+    use crate::prepare::prepare;
+    use crate::scene::cornell::cornell_box;
+    use crate::shade::irradiance::Direct;
+    use crate::transport::DirectLight;
+    use crate::visibility::{ReceiverPoint, Visibility, fixture};
     use glam::DVec3;
 
     /// Light that grows without bound towards some points, each much fainter than the one before: they are refined one after
@@ -199,5 +204,43 @@ mod tests {
                 mesh.leaves().partition(|leaf| refined.elements.get(leaf.index()).is_none_or(Vec::is_empty));
             assert!(unseen.is_empty() && seen.len() > MOST_ROUNDS, "{} of {}", unseen.len(), seen.len());
         }
+    }
+
+    #[test]
+    #[ignore = "a measurement for docs/convergence.md"]
+    fn quadratic_elements_need_fewer_points_than_linear_ones() {
+        let scene = cornell_box();
+        let prepared = prepare(&scene, Progress::silent()).unwrap();
+        let visibility = Visibility::new(&prepared);
+        let segments = discontinuity::find(&scene, &prepared, &visibility, 1e-3, Progress::silent()).unwrap().segments;
+        let direct = DirectLight::new(&scene, &prepared, &visibility);
+        let places = Places::new(&prepared);
+        let receives =
+            |mesh: &Mesh, patch: PatchId| !scene.materials[prepared.faces[mesh.patch(patch).face].material].emits();
+        let coarse = Mesh::new(&prepared, &segments, MeshSettings::default());
+        let leaves: Vec<PatchId> = coarse.leaves().filter(|&leaf| receives(&coarse, leaf)).collect();
+        let light: Rgb = leaves.iter().map(|&leaf| coarse.patch(leaf).area_m2 * direct.over(&coarse, leaf).mean).sum();
+        let area_m2: f64 = leaves.iter().map(|&leaf| coarse.patch(leaf).area_m2).sum();
+        let mean = light.element_sum() / (3.0 * area_m2);
+        let (nothing, mut counts) = (Table::new(), Vec::new());
+        for (hints, segments) in [(true, &segments), (false, &nothing)] {
+            for tolerance in [0.02, 0.01, 0.005, 0.0025] {
+                let points = [Interpolation::Linear, Interpolation::Quadratic].map(|interpolation| {
+                    let mut mesh = Mesh::new(&prepared, segments, MeshSettings::default());
+                    mesh.remove_d0_hints();
+                    let settings = RefineSettings { interpolation, tolerance, mean, max_triangles: usize::MAX };
+                    let refined =
+                        refine(&mut mesh, &places, &Direct(&direct), receives, settings, Progress::silent()).unwrap();
+                    let elements: usize = mesh.leaves().map(|leaf| refined.elements[leaf.index()].len()).sum();
+                    let points = refined.values.as_slice().len();
+                    println!(
+                        "d-segments {hints}, {tolerance}, {interpolation:?}: {elements} elements, {points} points"
+                    );
+                    points
+                });
+                counts.push(points);
+            }
+        }
+        assert!(counts.iter().all(|[linear, quadratic]| quadratic < linear), "{counts:?}");
     }
 }
