@@ -207,9 +207,8 @@ fn a_spot_on_a_ceiling_is_reflected_from_where_it_lies() {
 
 #[test]
 #[ignore = "eight bakes: a measurement for docs/events.md"]
-fn cuts_along_shadows_in_the_light_of_a_spot_on_a_ceiling_hardly_pay() {
+fn cuts_along_shadows_in_the_light_of_a_spot_on_a_ceiling_pay_where_it_is_fine() {
     let (scene, exact) = under_a_spot(true);
-    let mut ratios = Vec::new();
     for tolerance in [0.01, 0.003, 0.002, 0.001] {
         let [with, without] = [true, false].map(|secondary_sources| {
             let shade = ShadeSettings { tolerance, ..ShadeSettings::default() };
@@ -222,9 +221,6 @@ fn cuts_along_shadows_in_the_light_of_a_spot_on_a_ceiling_hardly_pay() {
             );
             triangles as f64 * error
         });
-        ratios.push(with / without);
+        assert!(with < without || tolerance > 0.005, "{with} and {without} at {tolerance}");
     }
-    // This is why no outlines are made around the bright parts of faces: even where the part is a face, little is gained.
-    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
-    assert!((0.9..1.1).contains(&mean), "{ratios:?}");
 }
