@@ -161,8 +161,9 @@ impl<'a> Irradiance<'a> {
         };
         drawn(self.visibility, &self.crowds, sent, crowd, towards).is_some_and(|face| {
             let ReflectingPatch { source, middle_m, .. } = &self.sources[self.mesh.root(face)];
-            let planes = [receiver.plane, source.plane];
-            !self.visibility.occluded(receiver.position_m, source.frame.to_3d(*middle_m), planes)
+            let (to_m, planes) = (source.frame.to_3d(*middle_m), [receiver.plane, source.plane]);
+            let above = receiver.normal.dot(to_m - receiver.position_m) > 0.0;
+            above && !self.visibility.occluded(receiver.position_m, to_m, planes)
         })
     }
 
@@ -204,7 +205,8 @@ impl<'a> Irradiance<'a> {
     fn add_rays(&self, sight: &Sight<'_>, patch: PatchId, (factor, rays): (f64, usize), terms: &mut impl FnMut(Term)) {
         let ReflectingPatch { source, middle_m, .. } = &self.sources[patch];
         let view = &sight.view;
-        if rays == 1 {
+        // A ray to what lies below the horizon would leave through the receiver's own plane.
+        if rays == 1 && view.over_horizon_m(*middle_m) > 0.0 {
             if self.sees(sight, source, *middle_m) {
                 terms(self.reflected.term_of_whole(view, patch, factor));
             }
@@ -212,9 +214,9 @@ impl<'a> Irradiance<'a> {
         }
         let mut whole = 0.0;
         let mut seen: SmallVec<[(f64, DVec2); RAYS]> = SmallVec::new();
-        for ray in 0..rays {
+        for ray in 0..RAYS {
             // Half way from the middle to corners that are spread around.
-            let at_m = middle_m.midpoint(source.corners_m[ray * source.corners_m.len() / rays]);
+            let at_m = middle_m.midpoint(source.corners_m[ray * source.corners_m.len() / RAYS]);
             let along = view.towards_m(at_m);
             let exchange = view.normal.dot(along).max(0.0) * view.height_m / along.length_squared().powi(2);
             whole += exchange;
@@ -380,6 +382,21 @@ mod tests {
         let corner = |x: f64, z: f64| DVec3::new(x, 0.0, z);
         let lit = fixture::inward_box(corner(0.0, 0.0), DVec3::ONE);
         let dark = fixture::inward_box(corner(1.0, 0.0), DVec3::new(2.0, 1.0, 1.0));
+        let mut room: Vec<_> = lit.into_iter().enumerate().map(|(i, wall)| (wall, usize::from(i == 1))).collect();
+        room.extend(dark.into_iter().map(|wall| (wall, 0)));
+        let materials = vec![Material::diffuse("white", Rgb::splat(0.9)), Material::emitting("lamp", Rgb::ONE)];
+        for face in 6..12 {
+            for light in at_points(&room, materials.clone(), face, &POINTS) {
+                assert_eq!(light, [Rgb::ZERO; 2]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_closed_box_inside_a_lit_room_is_exactly_dark() {
+        // The room's walls lie on both sides of the planes of the box.
+        let lit = fixture::inward_box(DVec3::ZERO, DVec3::splat(3.0));
+        let dark = fixture::inward_box(DVec3::new(1.9, 0.3, 0.2), DVec3::new(2.6, 0.9, 1.1));
         let mut room: Vec<_> = lit.into_iter().enumerate().map(|(i, wall)| (wall, usize::from(i == 1))).collect();
         room.extend(dark.into_iter().map(|wall| (wall, 0)));
         let materials = vec![Material::diffuse("white", Rgb::splat(0.9)), Material::emitting("lamp", Rgb::ONE)];
