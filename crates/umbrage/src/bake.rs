@@ -20,7 +20,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use crate::discontinuity::{self, Discontinuities};
+use crate::discontinuity::{self, Discontinuities, Reflecting};
 use crate::geometry::polygon;
 use crate::id::Table;
 use crate::mesh::{Mesh, MeshSettings, SplitScore};
@@ -28,7 +28,7 @@ use crate::prepare::{self, PrepareError, PrepareReport, PrepareSettings, Prepare
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Scene, SceneError};
 use crate::shade::{self, BakedMesh, Irradiance, ShadeMeshes, ShadeSettings};
-use crate::solve::{self, EnergyAccount, SolveSettings, Surfaces};
+use crate::solve::{self, EnergyAccount, Solution, SolveSettings, Surfaces};
 use crate::transport::{self, BrightnessOracle, DirectLight, FormFactorOracle, Links, OracleKind};
 use crate::visibility::Visibility;
 
@@ -130,7 +130,7 @@ pub struct Report {
     pub faces: usize,
     /// d-segments of degree 0, 1 and 2.
     pub d_segments: [usize; 3],
-    /// d-segments of faces that reflect so much that they are sources, too.
+    /// d-segments of faces and parts of faces that reflect so much that they are sources, too.
     pub secondary: usize,
     /// Patches that carry transport, split ones included.
     pub patches: usize,
@@ -236,9 +236,9 @@ pub fn bake_and_keep(
 
     let refined = settings.shade.tolerance.is_finite();
     let secondary = if settings.discontinuities && settings.secondary_sources && refined {
-        let reflected = prepared.faces.keys().map(|face| solution.reflected[mesh.root(face)].mean).collect();
+        let reflecting = what_patches_reflect(mesh, &solution);
         let least = settings.weak_share() * solution.mean_irradiance(mesh).element_sum() / 3.0;
-        discontinuity::find_secondary(scene, prepared, &visibility, &reflected, least, progress)?
+        discontinuity::find_secondary(scene, prepared, &visibility, &reflecting, least, progress)?
     } else {
         Table::new()
     };
@@ -390,6 +390,17 @@ fn mesh_and_link(
     }
     clock.end_of(Stage::Transport);
     Ok((Meshed { prepared, discontinuities, mesh }, visibility, links))
+}
+
+/// What every patch that is not split reflects, for the secondary sources.
+fn what_patches_reflect(mesh: &Mesh, solution: &Solution) -> Vec<Reflecting> {
+    let boundary = |leaf| mesh.boundary(leaf).iter().map(|at| (at.vertex, mesh.vertex_m(at.vertex))).collect();
+    let reflecting = |leaf| Reflecting {
+        face: mesh.patch(leaf).face,
+        boundary: boundary(leaf),
+        reflected: solution.reflected[leaf].mean,
+    };
+    mesh.leaves().map(reflecting).collect()
 }
 
 /// In debug builds, a broken promise of a stage is a panic with its values.

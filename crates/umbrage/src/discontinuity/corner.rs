@@ -16,9 +16,10 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use crate::id::{Table, VertexId};
+use super::Emitter;
+use crate::id::{EmitterId, FaceId, Table, VertexId};
 use crate::prepare::Prepared;
-use crate::scene::{Rgb, Scene};
+use crate::scene::Rgb;
 
 /// A face whose plane passes nearer than this sine to the eye is seen edge-on, and covers nothing.
 const EDGE_ON_SINE: f64 = 1e-8;
@@ -46,16 +47,26 @@ pub(super) struct Corners {
 }
 
 impl Corners {
-    pub(super) fn new(scene: &Scene, prepared: &Prepared) -> Self {
+    /// The corners of all faces, which have these radiances, and of the emitters that are parts of faces.
+    pub(super) fn new(
+        prepared: &Prepared,
+        radiance: &Table<FaceId, Rgb>,
+        emitters: &Table<EmitterId, Emitter>,
+    ) -> Self {
         let mut at: Vec<(VertexId, FaceCorner)> = Vec::new();
-        for (id, face) in prepared.faces.iter_enumerated() {
-            let boundary: SmallVec<[VertexId; 8]> = prepared.boundary(id).collect();
+        let mut add = |boundary: &[VertexId], normal: DVec3, radiance: Rgb| {
             let n = boundary.len();
-            let (normal, radiance) = (prepared.normal(id), scene.materials[face.material].radiance);
             at.extend((0..n).map(|i| {
                 let to = |j: usize| prepared.vertices_m[boundary[j % n]] - prepared.vertices_m[boundary[i]];
                 (boundary[i], FaceCorner { next: to(i + 1), previous: to(i + n - 1), normal, radiance })
             }));
+        };
+        for id in prepared.faces.keys() {
+            let boundary: SmallVec<[VertexId; 8]> = prepared.boundary(id).collect();
+            add(&boundary, prepared.normal(id), radiance[id]);
+        }
+        for part in emitters.iter().filter(|emitter| emitter.part_m.is_some()) {
+            add(&part.corners, part.plane.normal, part.radiance);
         }
         at.sort_by_key(|corner| corner.0);
         let mut first: Table<VertexId, u32> = Table::with_capacity(prepared.vertices_m.len() + 1);

@@ -1,19 +1,26 @@
-//! Polygonal emitters: touching coplanar faces of one radiance, and the outline of their union.
+//! Polygonal emitters: touching coplanar faces of one radiance, and the outline of their union; or a convex part of such faces.
 //!
-//! Events come from the outline of the whole emitter, never from the inner edges of its convex pieces.
+//! Events come from the outline of the whole emitter, never from the inner edges of its convex pieces. A part of faces has an outline
+//! of its own: its corners and edges are numbered after those of the faces, and no face lies along them. It lies a hair in front of
+//! its faces, which are plane but for the rounding of their vertices: so none of them hides it.
 
 use glam::DVec3;
 
 use crate::geometry::{Plane, polygon};
 use crate::id::{EdgeId, EmitterId, FaceId, Table, VertexId};
-use crate::prepare::{DirectedEdge, Prepared};
-use crate::scene::{Rgb, Scene};
+use crate::prepare::{DirectedEdge, Edge, Prepared};
+use crate::scene::Rgb;
+
+/// How far a part lies in front of its faces, in coplanar tolerances: their vertices are within one of the plane.
+const IN_FRONT_OF_FACES: f64 = 2.0;
 
 /// A polygonal light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Emitter {
-    /// Its faces, ascending.
+    /// Its faces, ascending; those that it lies on if it is a part of them.
     pub faces: Vec<FaceId>,
+    /// If it is a convex part of its faces: its corners, counter-clockwise seen from the front, in metres.
+    pub part_m: Option<Vec<DVec3>>,
     /// Its plane, front towards where it shines.
     pub plane: Plane,
     /// Emitted radiance, in W/(m2 sr).
@@ -33,20 +40,42 @@ impl Emitter {
     pub fn mean_radiance(&self) -> f64 {
         self.radiance.element_sum() / 3.0
     }
+
+    /// A convex part of touching faces of one plane; `corners_m` are counter-clockwise seen from the front. Adds its corners and its
+    /// outline to the vertices and edges.
+    pub(super) fn of_part(prepared: &mut Prepared, faces: Vec<FaceId>, corners_m: &[DVec3], radiance: Rgb) -> Self {
+        let plane = prepared.oriented_plane(faces[0]);
+        let in_front_m = IN_FRONT_OF_FACES * prepared.tolerance.coplanar_m();
+        let part_m: Vec<DVec3> = corners_m.iter().map(|&p| plane.project(p) + in_front_m * plane.normal).collect();
+        let corners: Vec<VertexId> = part_m.iter().map(|&p| prepared.vertices_m.push_and_get_key(p)).collect();
+        let outline = (0..corners.len()).map(|i| {
+            let (from, to) = (corners[i], corners[(i + 1) % corners.len()]);
+            prepared.edges.push_and_get_key(Edge { ends: [from.min(to), from.max(to)], faces: Default::default() })
+        });
+        Self {
+            outline: outline.collect(),
+            faces,
+            plane,
+            radiance,
+            area_m2: polygon::area_m2(&part_m),
+            centroid_m: polygon::centroid(&part_m),
+            corners,
+            part_m: Some(part_m),
+        }
+    }
 }
 
-/// The emitters of a scene, in the order of their first faces.
-pub fn emitters(scene: &Scene, prepared: &Prepared) -> Table<EmitterId, Emitter> {
-    let mut result = Table::new();
+/// Groups of touching faces that lie in one plane, look the same way and are alike, in the order of their first faces; each ascends.
+pub(super) fn groups(prepared: &Prepared, alike: impl Fn(FaceId, FaceId) -> bool) -> Vec<Vec<FaceId>> {
+    let mut groups = Vec::new();
     let mut taken: Table<FaceId, bool> = prepared.faces.iter().map(|_| false).collect();
-    let radiance = |face: FaceId| scene.materials[prepared.faces[face].material].radiance;
     for first in prepared.faces.keys() {
-        if taken[first] || radiance(first).max_element() <= 0.0 {
+        if taken[first] {
             continue;
         }
-        let alike = |face: FaceId| {
+        let joins = |face: FaceId| {
             let (one, other) = (&prepared.faces[face], &prepared.faces[first]);
-            one.plane == other.plane && one.facing == other.facing && radiance(face) == radiance(first)
+            one.plane == other.plane && one.facing == other.facing && alike(face, first)
         };
         let mut faces = vec![first];
         taken[first] = true;
@@ -54,7 +83,7 @@ pub fn emitters(scene: &Scene, prepared: &Prepared) -> Table<EmitterId, Emitter>
         while let Some(&face) = faces.get(next) {
             for edge in prepared.faces[face].sides.iter().flatten() {
                 for &neighbour in &prepared.edges[edge.edge].faces {
-                    if !taken[neighbour] && alike(neighbour) {
+                    if !taken[neighbour] && joins(neighbour) {
                         taken[neighbour] = true;
                         faces.push(neighbour);
                     }
@@ -63,9 +92,21 @@ pub fn emitters(scene: &Scene, prepared: &Prepared) -> Table<EmitterId, Emitter>
             next += 1;
         }
         faces.sort_unstable();
-        result.push(emitter_of(prepared, faces, radiance(first)));
+        groups.push(faces);
     }
-    result
+    groups
+}
+
+/// The emitters among faces that have these radiances, in the order of their first faces.
+pub(super) fn emitters(prepared: &Prepared, radiance: &Table<FaceId, Rgb>) -> Table<EmitterId, Emitter> {
+    groups(prepared, |one, other| radiance[one] == radiance[other])
+        .into_iter()
+        .filter(|faces| radiance[faces[0]].max_element() > 0.0)
+        .map(|faces| {
+            let radiance = radiance[faces[0]];
+            emitter_of(prepared, faces, radiance)
+        })
+        .collect()
 }
 
 fn emitter_of(prepared: &Prepared, faces: Vec<FaceId>, radiance: Rgb) -> Emitter {
@@ -83,6 +124,7 @@ fn emitter_of(prepared: &Prepared, faces: Vec<FaceId>, radiance: Rgb) -> Emitter
         corners: corners_of(prepared, &outline),
         outline: outline.into_iter().map(|edge| edge.edge).collect(),
         faces,
+        part_m: None,
         radiance,
         area_m2,
         centroid_m: moment / area_m2,

@@ -13,7 +13,7 @@ use super::{DSegment, Degree, Emitter, Event, emitter};
 use crate::geometry::Plane;
 use crate::id::{EdgeId, EmitterId, FaceId, LampId, PlaneId, Table, VertexId};
 use crate::prepare::Prepared;
-use crate::scene::{Lamp, Scene};
+use crate::scene::{Lamp, Rgb, Scene};
 use crate::visibility::Visibility;
 
 /// Emitters, edges and corners of a scene: what its events are made of.
@@ -34,16 +34,29 @@ pub struct Features {
 impl Features {
     /// The features of a scene.
     pub fn new(scene: &Scene, prepared: &Prepared) -> Self {
-        let emitters = emitter::emitters(scene, prepared);
+        let radiance = prepared.faces.iter().map(|face| scene.materials[face.material].radiance).collect();
+        let lamps = scene.lamps.iter().map(|lamp| lamp.clone().moved(|p| p - prepared.origin_m, |d| d, 1.0));
+        Self { lamps: lamps.collect(), ..Self::shining(scene, prepared, &radiance, Vec::new()) }
+    }
+
+    /// The features of a scene where nothing gives light but faces, which have these radiances, and parts of faces.
+    pub(super) fn shining(
+        scene: &Scene,
+        prepared: &Prepared,
+        radiance: &Table<FaceId, Rgb>,
+        parts: Vec<Emitter>,
+    ) -> Self {
+        let mut emitters = emitter::emitters(prepared, radiance);
+        emitters.extend(parts);
         let mut by_plane: Vec<(PlaneId, FaceId)> =
             prepared.faces.iter_enumerated().map(|(id, face)| (face.plane, id)).collect();
         by_plane.sort_unstable();
         Self {
-            sources: Sources::new(scene, prepared, &emitters),
+            sources: Sources::new(prepared, radiance, &emitters),
+            corners: Corners::new(prepared, radiance, &emitters),
             emitters,
-            lamps: scene.lamps.iter().map(|lamp| lamp.clone().moved(|p| p - prepared.origin_m, |d| d, 1.0)).collect(),
+            lamps: Table::new(),
             occluders: OccluderEdges::new(prepared),
-            corners: Corners::new(scene, prepared),
             receives: prepared.faces.iter().map(|face| !scene.materials[face.material].emits()).collect(),
             by_plane,
         }

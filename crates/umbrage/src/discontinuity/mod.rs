@@ -10,6 +10,7 @@
 //! | 2 | every other VE and EV: a corner of one, an edge of the other | `event` |
 //! | 2 | EEE: an edge of the source and two of occluders | `three_edges` |
 
+mod bright_part;
 mod contact;
 mod corner;
 mod d_segment;
@@ -35,9 +36,10 @@ mod three_edges;
 mod trace;
 mod wedge;
 
+pub use bright_part::Reflecting;
 pub use contact::is_contact;
 pub use d_segment::{DSegment, Degree, Event};
-pub use emitter::{Emitter, emitters};
+pub use emitter::Emitter;
 pub use features::Features;
 pub use find::{Discontinuities, find};
 pub use secondary::find_secondary;

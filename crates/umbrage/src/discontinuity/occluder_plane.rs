@@ -21,6 +21,11 @@ impl Surroundings<'_> {
     /// emitter's faces are cut already, since the occluder pierces it.
     pub(super) fn chords(&self, emitter: &Emitter, plane: &Plane) -> SmallVec<[Chord; 1]> {
         let mut chords = SmallVec::new();
+        if let Some(part_m) = &emitter.part_m {
+            let heights_m: SmallVec<[f64; 8]> = part_m.iter().map(|&p| plane.signed_distance_m(p)).collect();
+            chords.extend(self.chord_across(part_m, &heights_m));
+            return chords;
+        }
         for &face in &emitter.faces {
             let corners = self.visibility.boundary_m(face);
             let heights_m: SmallVec<[f64; 8]> = corners.iter().map(|&p| plane.signed_distance_m(p)).collect();

@@ -1,28 +1,32 @@
-//! Secondary sources: faces that reflect so much light that the shadows in it can be seen.
+//! Secondary sources: faces and parts of faces that reflect so much light that the shadows in it can be seen.
 //!
 //! After a first solution, a face that reflects much more than others is a source like any other: its outline casts EV and VE
-//! events past occluders, and where they fall indirect light bends. Its radiance is not even, so degree and strength are those
+//! events past occluders, and where they fall indirect light bends. So does the outline of a part that is much brighter than the rest of its
+//! surface (`bright_part`). Their radiance is not even, so degree and strength are those
 //! of its mean; what is cut along them is the mesh that indirect light is gathered on and the one that is shown, both of which
 //! find out by themselves what a cut is worth.
 //!
-//! In a room that is lit evenly no face is much brighter than the mean, and there are none.
+//! In a room that is lit evenly nothing is much brighter than the mean, and there are none.
 
+use std::f64::consts::PI;
+
+use super::bright_part::{self, BrightPart, PartlyBright, Reflecting};
 use super::find::traced;
-use super::{DSegment, Features};
-use crate::geometry::polygon;
+use super::{DSegment, Emitter, Features};
 use crate::id::{DSegmentId, FaceId, Table};
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress};
-use crate::scene::{Material, Rgb, Scene};
+use crate::scene::{Rgb, Scene};
 use crate::visibility::Visibility;
 
-/// A face is a secondary source if its radiosity by reflection is at least so many times the mean of all.
+/// A face is a secondary source if its radiosity by reflection is at least so many times the mean of all, and so is a part of a surface
+/// by what it reflects over the rest.
 const BRIGHT: f64 = 4.0;
-/// Of more faces the brightest are taken, by power.
+/// Of more sources the brightest are taken, by power.
 const MOST_SOURCES: usize = 32;
 
-/// The d-segments of faces that reflect much, given the mean radiosity by reflection of every face in W/m2: those that change
-/// irradiance by at least `least`, in W/m2, over the width of their face.
+/// The d-segments of what reflects much, given all patches that are not split: those that change irradiance by at least `least`, in
+/// W/m2, over the width of their face. Events of a part of a face name vertices and edges that the prepared faces do not have.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.
@@ -30,82 +34,199 @@ pub fn find_secondary(
     scene: &Scene,
     prepared: &Prepared,
     visibility: &Visibility,
-    reflected: &Table<FaceId, Rgb>,
+    patches: &[Reflecting],
     least: f64,
     progress: Progress<'_>,
 ) -> Result<Table<DSegmentId, DSegment>, Cancelled> {
-    let bright = bright_faces(prepared, reflected);
-    if bright.is_empty() {
+    let sources = secondary_sources(prepared, patches);
+    if sources.is_empty() {
         return Ok(Table::new());
     }
-    // The same faces, but that these alone give light.
-    let mut materials = scene.materials.clone();
-    materials.iter_mut().for_each(|material| material.radiance = Rgb::ZERO);
+    // The same faces, but that these alone give light; vertices and edges of parts come after theirs.
     let mut lit = prepared.clone();
-    for face in bright {
-        let radiance = reflected[face] / std::f64::consts::PI;
-        lit.faces[face].material = materials.push_and_get_key(Material::emitting("secondary source", radiance));
+    let mut radiance: Table<FaceId, Rgb> = prepared.faces.iter().map(|_| Rgb::ZERO).collect();
+    let mut parts = Vec::new();
+    for source in sources {
+        match source.of {
+            Of::Face(face) => radiance[face] = source.radiosity / PI,
+            Of::Part(part) => {
+                parts.push(Emitter::of_part(&mut lit, part.faces, &part.corners_m, source.radiosity / PI));
+            }
+        }
     }
-    let features = Features::new(&Scene { materials, ..Scene::default() }, &lit);
+    let features = Features::shining(scene, &lit, &radiance, parts);
     let (mut segments, _) = traced(&lit, visibility, &features, least, progress)?;
     segments.sort_by(DSegment::by_face_and_event);
     Ok(segments.into())
 }
 
-/// The faces that are secondary sources, ascending.
-fn bright_faces(prepared: &Prepared, reflected: &Table<FaceId, Rgb>) -> Vec<FaceId> {
-    let area_m2 = |face: FaceId| polygon::area_m2(&prepared.polygon_m(face));
-    let power = |face: FaceId| area_m2(face) * reflected[face].element_sum();
-    let (whole, whole_m2) =
-        prepared.faces.keys().fold((0.0, 0.0), |(sum, sum_m2), face| (sum + power(face), sum_m2 + area_m2(face)));
-    let least = BRIGHT * whole / whole_m2;
-    let mut bright: Vec<FaceId> =
-        prepared.faces.keys().filter(|&face| whole > 0.0 && reflected[face].element_sum() >= least).collect();
-    bright.sort_by(|&p, &q| power(q).total_cmp(&power(p)).then(p.cmp(&q)));
-    bright.truncate(MOST_SOURCES);
-    bright.sort_unstable();
-    bright
+/// What a source is.
+enum Of {
+    Face(FaceId),
+    Part(BrightPart),
+}
+
+struct Source {
+    of: Of,
+    /// In W/m2: of a part, what it reflects over the rest.
+    radiosity: Rgb,
+    power_w: f64,
+}
+
+/// The secondary sources, the brightest first.
+fn secondary_sources(prepared: &Prepared, patches: &[Reflecting]) -> Vec<Source> {
+    let mut faces: Table<FaceId, (Rgb, f64)> = prepared.faces.iter().map(|_| (Rgb::ZERO, 0.0)).collect();
+    for patch in patches {
+        let (power_w, area_m2) = &mut faces[patch.face];
+        *power_w += patch.area_m2() * patch.reflected;
+        *area_m2 += patch.area_m2();
+    }
+    let (power_w, area_m2) =
+        faces.iter().fold((0.0, 0.0), |(power_w, area_m2), face| (power_w + face.0.element_sum(), area_m2 + face.1));
+    if power_w <= 0.0 {
+        return Vec::new();
+    }
+    let least = BRIGHT * power_w / area_m2;
+    let mut sources: Vec<Source> = Vec::new();
+    // A surface casts from its parts or as a whole, so that no shadow is traced twice: whichever sends more.
+    let mut as_parts: Vec<PartlyBright> = bright_part::partly_bright(prepared, patches, least);
+    as_parts.retain(|surface| surface.parts.iter().map(BrightPart::power_w).sum::<f64>() > surface.rest_w);
+    let mut is_whole: Table<FaceId, bool> = prepared.faces.iter().map(|_| true).collect();
+    as_parts.iter().flat_map(|surface| &surface.faces).for_each(|&face| is_whole[face] = false);
+    for (face, &(power, area_m2)) in faces.iter_enumerated() {
+        if is_whole[face] && power.element_sum() >= least * area_m2 {
+            sources.push(Source { of: Of::Face(face), radiosity: power / area_m2, power_w: power.element_sum() });
+        }
+    }
+    for part in as_parts.into_iter().flat_map(|surface| surface.parts) {
+        sources.push(Source { radiosity: part.excess, power_w: part.power_w(), of: Of::Part(part) });
+    }
+    sources.sort_by(|p, q| q.power_w.total_cmp(&p.power_w));
+    sources.truncate(MOST_SOURCES);
+    sources
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::discontinuity::Degree;
+    use crate::discontinuity::{Degree, Event};
+    use crate::id::VertexId;
+    use crate::scene::Material;
     use crate::visibility::fixture::{self, square};
     use glam::DVec3;
 
-    /// A floor, a plate above it, and a panel above that, of which one reflects.
-    fn cast(reflected: [f64; 3]) -> Vec<DSegment> {
-        let prepared = fixture::prepared(&[
-            square(DVec3::ZERO, 3.0, true),
-            square(DVec3::Z, 0.5, true),
-            square(2.0 * DVec3::Z, 0.5, false),
-        ]);
+    /// Half a side of the bright square above the plate.
+    const BRIGHT_M: f64 = 0.5;
+
+    /// A floor, a plate above it, and one panel above that or several side by side, which all look down.
+    fn stage(panels: &[[[f64; 2]; 2]]) -> Prepared {
+        let mut faces = vec![square(DVec3::ZERO, 3.0, true), square(DVec3::Z, 0.5, true)];
+        faces.extend(panels.iter().map(|&panel| rectangle(panel)));
+        fixture::prepared(&faces)
+    }
+
+    /// A rectangle at height 2 that looks down, by its low and high corners.
+    fn rectangle([low, high]: [[f64; 2]; 2]) -> Vec<DVec3> {
+        [(0, 0), (0, 1), (1, 1), (1, 0)].map(|(i, j)| DVec3::new([low, high][i][0], [low, high][j][1], 2.0)).to_vec()
+    }
+
+    /// A face as patches of its own grid, by what they reflect; points of a grid have the same numbers on all faces.
+    fn gridded(face: usize, at: [[f64; 2]; 2], cells: usize, reflected: impl Fn(DVec3) -> f64) -> Vec<Reflecting> {
+        let place = |t: usize, axis: usize| at[0][axis] + (at[1][axis] - at[0][axis]) * t as f64 / cells as f64;
+        let number = |x: f64, y: f64| VertexId::from(((x + 4.0) * 1e3) as usize * 10_000 + ((y + 4.0) * 1e3) as usize);
+        let patch = |i: usize, j: usize| {
+            let cell = [[place(i, 0), place(j, 1)], [place(i + 1, 0), place(j + 1, 1)]];
+            let boundary: Vec<_> = rectangle(cell).into_iter().map(|p| (number(p.x, p.y), p)).collect();
+            let middle = boundary.iter().map(|point| point.1).sum::<DVec3>() / 4.0;
+            Reflecting { face: FaceId::from(face), boundary, reflected: Rgb::splat(reflected(middle)) }
+        };
+        (0..cells * cells).map(|k| patch(k % cells, k / cells)).collect()
+    }
+
+    /// A face as one patch.
+    fn whole(prepared: &Prepared, face: usize, reflected: f64) -> Reflecting {
+        let boundary = prepared.boundary(FaceId::from(face)).map(|v| (v, prepared.vertices_m[v])).collect();
+        Reflecting { face: FaceId::from(face), boundary, reflected: Rgb::splat(reflected) }
+    }
+
+    fn cast(prepared: &Prepared, patches: &[Reflecting], least: f64) -> Vec<DSegment> {
         let scene = fixture::scene(vec![Material::diffuse("grey", Rgb::splat(0.5))]);
-        let reflected = reflected.into_iter().map(Rgb::splat).collect();
-        let visibility = Visibility::new(&prepared);
-        find_secondary(&scene, &prepared, &visibility, &reflected, 0.0, Progress::silent()).unwrap().raw
+        find_secondary(&scene, prepared, &Visibility::new(prepared), patches, least, Progress::silent()).unwrap().raw
+    }
+
+    /// Offsets of the lines on the floor from the middle, where all are parallel to the plate.
+    fn offsets_m(segments: &[DSegment]) -> Vec<f64> {
+        let on_floor = segments.iter().filter(|segment| segment.face == FaceId::from(0));
+        let mut lines: Vec<f64> = on_floor
+            .map(|segment| {
+                assert_eq!(segment.degree, Degree::D1);
+                let middle = segment.ends_m[0].midpoint(segment.ends_m[1]);
+                (middle.truncate().abs().max_element() * 1e4).round() / 1e4
+            })
+            .collect();
+        lines.sort_by(f64::total_cmp);
+        lines
+    }
+
+    /// As a lamp like the plate above it, half way to the floor: four lines at 0.5 and four at 1.5 from the middle.
+    const LINES_M: [f64; 8] = [0.5, 0.5, 0.5, 0.5, 1.5, 1.5, 1.5, 1.5];
+
+    fn in_the_square(p: DVec3) -> f64 {
+        if p.truncate().abs().max_element() < BRIGHT_M { 1.0 } else { 0.02 }
     }
 
     #[test]
     fn a_bright_panel_casts_as_a_lamp_does() {
-        // The panel is parallel to the plate half way to the floor: four lines at 0.5 and four at 1.5 from the middle.
-        let mut lines: Vec<f64> = cast([0.01, 0.0, 1.0])
-            .iter()
-            .filter(|segment| segment.face == FaceId::from(0))
-            .map(|segment| {
-                assert_eq!(segment.degree, Degree::D1);
-                let middle = segment.ends_m[0].midpoint(segment.ends_m[1]);
-                (middle.truncate().abs().max_element() * 1e6).round() / 1e6
-            })
-            .collect();
-        lines.sort_by(f64::total_cmp);
-        assert_eq!(lines, [0.5, 0.5, 0.5, 0.5, 1.5, 1.5, 1.5, 1.5]);
+        let prepared = stage(&[[[-0.5; 2], [0.5; 2]]]);
+        let patches = |of: [f64; 3]| [0, 1, 2].map(|face| whole(&prepared, face, of[face]));
+        assert_eq!(offsets_m(&cast(&prepared, &patches([0.01, 0.0, 1.0]), 0.0)), LINES_M);
+        assert!(cast(&prepared, &patches([1.0, 1.0, 1.0]), 0.0).is_empty());
+        assert!(cast(&prepared, &patches([0.0, 0.0, 0.0]), 0.0).is_empty());
     }
 
     #[test]
-    fn what_is_no_brighter_than_the_rest_casts_nothing() {
-        assert!(cast([1.0, 1.0, 1.0]).is_empty());
-        assert!(cast([0.0, 0.0, 0.0]).is_empty());
+    fn a_bright_part_of_a_panel_casts_as_a_panel_of_its_own_does() {
+        let at = [[-2.0; 2], [2.0; 2]];
+        let prepared = stage(&[at]);
+        let others = [whole(&prepared, 0, 0.01), whole(&prepared, 1, 0.0)];
+        let panel = |of: &dyn Fn(DVec3) -> f64| [&others[..], &gridded(2, at, 8, of)].concat();
+        let segments = cast(&prepared, &panel(&in_the_square), 0.0);
+        assert_eq!(offsets_m(&segments), LINES_M);
+        // What the part casts is the strength of what it reflects over the rest: half of it, half of the strength.
+        let brighter = cast(&prepared, &panel(&|p| 0.02 + 2.0 * (in_the_square(p) - 0.02)), 0.0);
+        assert_eq!(segments.len(), brighter.len());
+        for (one, other) in segments.iter().zip(&brighter) {
+            assert!(one.strength > 0.0 && (other.strength / one.strength - 2.0).abs() < 1e-9, "{one:?} {other:?}");
+        }
+        let strongest = segments.iter().map(|segment| segment.strength).fold(0.0, f64::max);
+        // An effect is less than strength times width.
+        assert!(cast(&prepared, &panel(&in_the_square), 6.0 * strongest).is_empty());
+        assert!(cast(&prepared, &panel(&|_| 1.0), 0.0).iter().all(|segment| {
+            // All of it is bright: its own corners cast, as they did before.
+            !matches!(segment.event, Event::EdgeEdge { source, .. } if source.index() >= prepared.edges.len())
+        }));
+    }
+
+    #[test]
+    fn a_bright_part_across_two_faces_is_one_source() {
+        let halves = [[[-2.0, -2.0], [0.0, 2.0]], [[0.0, -2.0], [2.0, 2.0]]];
+        let prepared = stage(&halves);
+        let mut patches = vec![whole(&prepared, 0, 0.01), whole(&prepared, 1, 0.0)];
+        patches.extend((0..2).flat_map(|half| gridded(2 + half, halves[half], 8, in_the_square)));
+        assert_eq!(offsets_m(&cast(&prepared, &patches, 0.0)), LINES_M);
+    }
+
+    #[test]
+    fn dim_and_scattered_light_casts_nothing() {
+        let at = [[-2.0; 2], [2.0; 2]];
+        let prepared = stage(&[at]);
+        let lit = |floor: f64, of: &dyn Fn(DVec3) -> f64| {
+            let others = [whole(&prepared, 0, floor), whole(&prepared, 1, 0.0)];
+            cast(&prepared, &[&others[..], &gridded(2, at, 8, of)].concat(), 0.0)
+        };
+        // No brighter than the floor; a ring, of which the hull has another shadow.
+        assert!(lit(1.0, &in_the_square).is_empty());
+        assert!(lit(0.0, &|p| if p.truncate().abs().max_element() > 1.5 { 1.0 } else { 0.0 }).is_empty());
+        assert!(!lit(0.01, &in_the_square).is_empty());
     }
 }

@@ -5,13 +5,13 @@
 //! glowing box steps where only one of them is seen.
 
 use glam::DVec3;
-use smallvec::SmallVec;
+use smallvec::{SmallVec, smallvec};
 
 use super::Emitter;
 use crate::geometry::polygon;
 use crate::id::{EdgeId, EmitterId, FaceId, Table, VertexId};
 use crate::prepare::Prepared;
-use crate::scene::{Rgb, Scene};
+use crate::scene::Rgb;
 
 /// Directions whose sine is below this are one: rounding of f32 vertices on an edge of a hundredth of the extent.
 const STRAIGHT_SINE: f64 = 1e-5;
@@ -95,9 +95,16 @@ pub(super) struct Sources {
 }
 
 impl Sources {
-    pub(super) fn new(scene: &Scene, prepared: &Prepared, emitters: &Table<EmitterId, Emitter>) -> Self {
+    /// The edges and corners of emitters among faces that have these radiances, and of those that are parts of faces.
+    pub(super) fn new(
+        prepared: &Prepared,
+        radiance: &Table<FaceId, Rgb>,
+        emitters: &Table<EmitterId, Emitter>,
+    ) -> Self {
+        let (parts, whole): (Vec<_>, Vec<_>) =
+            emitters.iter_enumerated().partition(|(_, emitter)| emitter.part_m.is_some());
         let mut of_face: Table<FaceId, Option<EmitterId>> = prepared.faces.iter().map(|_| None).collect();
-        for (id, emitter) in emitters.iter_enumerated() {
+        for (id, emitter) in whole {
             emitter.faces.iter().for_each(|&face| of_face[face] = Some(id));
         }
         let mut edges = Vec::new();
@@ -113,17 +120,21 @@ impl Sources {
                 }
             }
             let ends_m = edge.ends.map(|vertex| prepared.vertices_m[vertex]);
-            let direction = (ends_m[1] - ends_m[0]).normalize_or_zero();
             let beside = |&face: &FaceId| {
-                let into = polygon::centroid(&prepared.polygon_m(face)) - ends_m[0];
-                Beside {
-                    inward: (into - into.dot(direction) * direction).normalize_or_zero(),
-                    normal: prepared.normal(face),
-                    radiance: scene.materials[prepared.faces[face].material].radiance,
-                }
+                let inside = polygon::centroid(&prepared.polygon_m(face));
+                Beside { inward: inward(ends_m, inside), normal: prepared.normal(face), radiance: radiance[face] }
             };
             let beside = edge.faces.iter().map(beside).collect();
             edges.push(SourceEdge { edge: id, emitter, emitters: along, ends: edge.ends, ends_m, beside });
+        }
+        for (id, part) in parts {
+            edges.extend(part.outline.iter().map(|&edge| {
+                let ends = prepared.edges[edge].ends;
+                let ends_m = ends.map(|vertex| prepared.vertices_m[vertex]);
+                let (inward, normal) = (inward(ends_m, part.centroid_m), part.plane.normal);
+                let beside = smallvec![Beside { inward, normal, radiance: part.radiance }];
+                SourceEdge { edge, emitter: id, emitters: smallvec![id], ends, ends_m, beside }
+            }));
         }
         let vertices = vertices(prepared, &edges);
         let mut of_emitter: Table<EmitterId, Vec<usize>> = emitters.iter().map(|_| Vec::new()).collect();
@@ -132,6 +143,12 @@ impl Sources {
         }
         Self { edges, vertices, of_emitter }
     }
+}
+
+/// The unit vector across an edge towards a point.
+fn inward([from, to]: [DVec3; 2], inside: DVec3) -> DVec3 {
+    let (along, into) = ((to - from).normalize_or_zero(), inside - from);
+    (into - into.dot(along) * along).normalize_or_zero()
 }
 
 /// The vertices at which source edges do not simply go straight on.

@@ -157,39 +157,50 @@ impl Surroundings<'_> {
     /// all of it edge-on, unless something stands upon that side.
     fn of_source_plane(&self, receiver: &Receiver, emitter: EmitterId) -> Rgb {
         let emitter = &self.features.emitters[emitter];
-        let mut sum = 0.0;
-        for &face in &emitter.faces {
-            let corners = self.prepared.polygon_m(face);
-            let inside = polygon::centroid(&corners);
-            let n = corners.len();
-            for i in 0..n {
-                let side = [corners[i], corners[(i + 1) % n]];
-                let along = (side[1] - side[0]).normalize_or_zero();
-                let across = |p: DVec3| (p - side[0]) - (p - side[0]).dot(along) * along;
-                if across(inside).dot(across(receiver.at)) >= 0.0 {
-                    continue;
-                }
-                // Faces along the other sides stand upon those, if at all.
-                let sides = &self.prepared.faces[face].sides;
-                let beside = |other: FaceId| {
-                    (0..n)
-                        .filter(|&j| j != i)
-                        .any(|j| sides[j].iter().any(|edge| self.prepared.edges[edge.edge].faces.contains(&other)))
+        let sum: f64 = match &emitter.part_m {
+            // No face lies along its sides.
+            Some(part_m) => self.grows_beside(receiver, part_m, |_, _| false),
+            None => {
+                let of_face = |&face: &FaceId| {
+                    let sides = &self.prepared.faces[face].sides;
+                    let stands_on = |other: FaceId, side: usize| {
+                        sides[side].iter().any(|edge| self.prepared.edges[edge.edge].faces.contains(&other))
+                    };
+                    self.grows_beside(receiver, &self.prepared.polygon_m(face), stands_on)
                 };
-                let Some(view) = self.view(receiver, side, UPON_THE_LINE, beside) else { continue };
-                let lines = view.lines((1..n).map(|j| [corners[(i + j) % n], corners[(i + j + 1) % n]]));
-                let ends: SmallVec<[f64; 16]> = lines.iter().flat_map(|line| line.s).collect();
-                sum += view.sum(
-                    receiver,
-                    |s| {
-                        let far = lines.iter().filter(|line| line.s[0] < s && s < line.s[1]);
-                        1.0 - far.map(|line| line.nearness_at(s)).fold(1.0, f64::min)
-                    },
-                    &ends,
-                );
+                emitter.faces.iter().map(of_face).sum()
             }
-        }
+        };
         emitter.radiance * sum
+    }
+
+    /// By how much the slope of irradiance grows in the plane of a source of unit radiance with these corners; whether a face stands upon
+    /// a side is told by the number of the side.
+    fn grows_beside(&self, receiver: &Receiver, corners: &[DVec3], stands_on: impl Fn(FaceId, usize) -> bool) -> f64 {
+        let (inside, n) = (polygon::centroid(corners), corners.len());
+        let mut sum = 0.0;
+        for i in 0..n {
+            let side = [corners[i], corners[(i + 1) % n]];
+            let along = (side[1] - side[0]).normalize_or_zero();
+            let across = |p: DVec3| (p - side[0]) - (p - side[0]).dot(along) * along;
+            if across(inside).dot(across(receiver.at)) >= 0.0 {
+                continue;
+            }
+            // Faces along the other sides stand upon those, if at all.
+            let beside = |other: FaceId| (0..n).filter(|&j| j != i).any(|j| stands_on(other, j));
+            let Some(view) = self.view(receiver, side, UPON_THE_LINE, beside) else { continue };
+            let lines = view.lines((1..n).map(|j| [corners[(i + j) % n], corners[(i + j + 1) % n]]));
+            let ends: SmallVec<[f64; 16]> = lines.iter().flat_map(|line| line.s).collect();
+            sum += view.sum(
+                receiver,
+                |s| {
+                    let far = lines.iter().filter(|line| line.s[0] < s && s < line.s[1]);
+                    1.0 - far.map(|line| line.nearness_at(s)).fold(1.0, f64::min)
+                },
+                &ends,
+            );
+        }
+        sum
     }
 
     /// At a contact: what the emitters before the receiver give unhindered, each as a disc of its area that is seen from its
@@ -218,17 +229,19 @@ impl Surroundings<'_> {
                 continue;
             }
             let at = eye + t * ray;
-            let shines = |&face: &FaceId| {
-                let plane = self.prepared.oriented_plane(face);
-                let corners = self.visibility.boundary_m(face);
+            let shines = |face: FaceId, corners: &[DVec3]| {
                 let inside = |i: usize| {
                     let (from, to) = (corners[i], corners[(i + 1) % corners.len()]);
-                    (to - from).cross(at - from).dot(plane.normal) >= 0.0
+                    (to - from).cross(at - from).dot(emitter.plane.normal) >= 0.0
                 };
                 (0..corners.len()).all(inside)
                     && !self.visibility.occluded(point.lerp(at, BEHIND), at, [self.visibility.plane(face); 2])
             };
-            if emitter.faces.iter().any(shines) {
+            let seen = match &emitter.part_m {
+                Some(part_m) => shines(emitter.faces[0], part_m),
+                None => emitter.faces.iter().any(|&face| shines(face, self.visibility.boundary_m(face))),
+            };
+            if seen {
                 nearest = (t, emitter.radiance);
             }
         }

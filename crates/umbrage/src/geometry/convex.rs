@@ -6,6 +6,8 @@
 use glam::{DMat2, DVec2};
 use smallvec::SmallVec;
 
+use super::polygon;
+
 /// A convex counter-clockwise polygon; empty where nothing is left.
 pub type Convex = SmallVec<[DVec2; 8]>;
 
@@ -127,6 +129,47 @@ pub fn perimeter_m(corners: &[DVec2]) -> f64 {
     sides(corners).map(|(p, q)| p.distance(q)).sum()
 }
 
+/// The convex hull of points, counter-clockwise; corners in line are left out (Andrew, *Another efficient algorithm for convex hulls in two dimensions*, 1979).
+pub fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
+    points.sort_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
+    points.dedup();
+    let chain = |points: &mut dyn Iterator<Item = DVec2>| {
+        let mut chain: Vec<DVec2> = Vec::new();
+        for p in points {
+            while let [.., q, r] = chain[..]
+                && (r - q).perp_dot(p - r) <= 0.0
+            {
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain.pop();
+        chain
+    };
+    let mut border = chain(&mut points.iter().copied());
+    border.extend(chain(&mut points.iter().rev().copied()));
+    border
+}
+
+/// A convex polygon without the corners that matter least: one after another goes that cuts off least area, until there are `most` of
+/// them, and each that is left would take at least `least_share` of the area with it.
+pub fn with_few_corners(mut corners: Vec<DVec2>, most: usize, least_share: f64) -> Vec<DVec2> {
+    let least_m2 = least_share * polygon::signed_area_2d_m2(&corners);
+    while corners.len() > 3 {
+        let n = corners.len();
+        let cut_off_m2 = |i: usize| {
+            let (before, at, after) = (corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]);
+            0.5 * (at - before).perp_dot(after - at)
+        };
+        let least = (0..n).map(|i| (cut_off_m2(i), i)).reduce(|best, next| if next.0 < best.0 { next } else { best });
+        match least.filter(|&(area_m2, _)| n > most || area_m2 < least_m2) {
+            Some((_, i)) => corners.remove(i),
+            None => break,
+        };
+    }
+    corners
+}
+
 /// Area and its moments up to the second about the origin of the frame: they add up, and can be subtracted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moments {
@@ -216,7 +259,6 @@ pub(crate) mod fixture {
 mod tests {
     use super::fixture::{rectangle, regular};
     use super::*;
-    use crate::geometry::polygon;
     use proptest::prelude::*;
     use smallvec::smallvec;
 
@@ -253,6 +295,30 @@ mod tests {
             let spread = whole.centroid_and_spread().unwrap().1;
             prop_assert!(spread.abs_diff_eq(polygon::second_moment_m2(&p), 1e-12));
         }
+    }
+
+    proptest! {
+        #[test]
+        fn a_hull_holds_its_points_and_turns_left_at_each_of_its_corners(p in regular(), inside in 0.0..1.0) {
+            let middle = p.iter().sum::<DVec2>() / p.len() as f64;
+            let shrunk = p.iter().map(|&q| middle.lerp(q, inside));
+            let hull = hull(p.iter().copied().chain(shrunk).collect());
+            prop_assert_eq!(hull.len(), p.len());
+            prop_assert!(hull.iter().all(|corner| p.contains(corner)));
+            prop_assert!((area_m2(&hull) - area_m2(&p)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn of_a_polygon_with_few_corners_those_are_left_that_span_most() {
+        // A square with a blunt corner, and a point next to the middle of a side.
+        let blunt =
+            [(0.0, 0.0), (0.5, -1e-3), (1.0, 0.0), (1.0, 0.9), (0.9, 1.0), (0.0, 1.0)].map(DVec2::from).to_vec();
+        let square = [blunt[0], blunt[2], blunt[3], blunt[4], blunt[5]];
+        assert_eq!(with_few_corners(blunt.clone(), 8, 2e-3), square);
+        assert_eq!(with_few_corners(blunt.clone(), 8, 1e-5), blunt);
+        assert_eq!(with_few_corners(blunt.clone(), 4, 1e-5).len(), 4);
+        assert_eq!(with_few_corners(blunt, 8, 2.0).len(), 3);
     }
 
     #[test]

@@ -8,7 +8,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::geometry::{PlaneFrame, clip};
+use crate::geometry::{PlaneFrame, clip, convex};
 use crate::visibility::{SourcePolygon, Visibility};
 
 /// A corner of the source must be higher over the receiver than this many times the height of the occluder's corner.
@@ -29,7 +29,7 @@ pub(super) fn penumbrae(
         .map(|face| {
             let above = clip::in_front_of(visibility.boundary_m(face), &receiver.oriented_plane, slack_m);
             let between = clip::in_front_of(&above, &source.oriented_plane, slack_m);
-            clip::intersection(&hull(thrown(&between, &source.corners_m, frame)), &whole)
+            clip::intersection(&convex::hull(thrown(&between, &source.corners_m, frame)), &whole)
         })
         .filter(|penumbra| penumbra.len() >= 3)
         .collect()
@@ -43,28 +43,6 @@ fn thrown(occluder: &[DVec3], source: &[DVec3], frame: &PlaneFrame) -> Vec<DVec2
         .filter(|&(s, p)| height(s) > LEAST_HEIGHT_RATIO * height(p) && height(s) > 0.0)
         .map(|(s, p)| frame.to_2d(s + (p - s) * (height(s) / (height(s) - height(p)))))
         .collect()
-}
-
-/// The convex hull, counter-clockwise (Andrew, *Another efficient algorithm for convex hulls in two dimensions*, 1979).
-fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
-    points.sort_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
-    points.dedup();
-    let chain = |points: &mut dyn Iterator<Item = DVec2>| {
-        let mut chain: Vec<DVec2> = Vec::new();
-        for p in points {
-            while let [.., q, r] = chain[..]
-                && (r - q).perp_dot(p - r) <= 0.0
-            {
-                chain.pop();
-            }
-            chain.push(p);
-        }
-        chain.pop();
-        chain
-    };
-    let mut border = chain(&mut points.iter().copied());
-    border.extend(chain(&mut points.iter().rev().copied()));
-    border
 }
 
 /// Whether a convex counter-clockwise polygon contains a point.
