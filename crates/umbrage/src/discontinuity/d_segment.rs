@@ -96,6 +96,19 @@ pub enum Event {
 }
 
 impl Event {
+    /// The emitter whose light it changes; contacts are of all light, and lamps are no emitters.
+    pub(super) fn emitter(&self) -> Option<EmitterId> {
+        match *self {
+            Self::SourcePlane { emitter }
+            | Self::OccluderPlane { emitter, .. }
+            | Self::EdgeEdge { emitter, .. }
+            | Self::VertexEdge { emitter, .. }
+            | Self::EdgeVertex { emitter, .. }
+            | Self::ThreeEdges { emitter, .. } => Some(emitter),
+            Self::Contact { .. } | Self::LampEdge { .. } => None,
+        }
+    }
+
     /// A short name of its kind.
     pub fn name(&self) -> &'static str {
         match self {

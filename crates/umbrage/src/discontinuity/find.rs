@@ -83,7 +83,7 @@ pub(super) fn traced(
             let segments = numbers.flat_map(|number| pairs.trace(number, &around));
             Ok(segments
                 .map(|segment| with_strength(&around, segment))
-                .filter(|segment| around.effect(segment) >= least)
+                .filter(|segment| around.counts(segment, least))
                 .collect())
         })
         .collect::<Result<_, Cancelled>>()?;

@@ -26,7 +26,8 @@ const BRIGHT: f64 = 4.0;
 const MOST_SOURCES: usize = 32;
 
 /// The d-segments of what reflects much, given all patches that are not split: those that change irradiance by at least `least`, in
-/// W/m2, over the width of their face. Events of a part of a face name vertices and edges that the prepared faces do not have.
+/// W/m2, over the width of their face, and those of parts much more. Events of a part of a face name vertices and edges that the
+/// prepared faces do not have.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.
@@ -54,6 +55,8 @@ pub fn find_secondary(
             }
         }
     }
+    let whole = radiance.iter().filter(|radiance| **radiance != Rgb::ZERO).count();
+    tracing::debug!(faces = whole, parts = parts.len(), "secondary sources");
     let features = Features::shining(scene, &lit, &radiance, parts);
     let (mut segments, _) = traced(&lit, visibility, &features, least, progress)?;
     segments.sort_by(DSegment::by_face_and_event);

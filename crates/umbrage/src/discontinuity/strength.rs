@@ -23,7 +23,7 @@ use super::corner;
 use super::features::{Features, Surroundings};
 use super::trace;
 use super::wedge::{Crossing, Piece, Wedge};
-use super::{DSegment, Degree, Event};
+use super::{DSegment, Degree, Emitter, Event};
 use crate::geometry::{Plane, polygon};
 use crate::id::{EdgeId, EmitterId, FaceId, LampId, PlaneId};
 use crate::prepare::Prepared;
@@ -54,6 +54,13 @@ const MISSED_KINK: f64 = 1.0 / 32.0;
 /// greatest difference of `x |x|` and a multiple of `x` is `3 - 2 sqrt(2)`, an eighth of which counts.
 const MISSED_CURVATURE: f64 = 0.021_447;
 
+/// A d-segment in the light of a part of a face must change so many times as much as another to count. That light is soft, and
+/// refinement finds its weak shadows with fewer triangles than cuts cost (measured: `docs/events.md`).
+const PART_OF_FACE: f64 = 20.0;
+/// One of degree 2 besides so many times as much as all light of the part, if its curvature went on over the width of the face: then the
+/// penumbra is less than a hundredth of the face wide, and a line to most triangles.
+const NARROW: f64 = 500.0;
+
 /// The receiver at a point of a d-segment.
 pub(super) struct Receiver {
     pub(super) face: FaceId,
@@ -65,10 +72,14 @@ pub(super) struct Receiver {
 }
 
 impl Surroundings<'_> {
-    pub(super) fn jump(&self, segment: &DSegment, at: DVec3) -> f64 {
+    fn receiver(&self, segment: &DSegment, at: DVec3) -> Receiver {
         let plane = self.prepared.oriented_plane(segment.face);
         let along = (segment.ends_m[1] - segment.ends_m[0]).normalize_or_zero();
-        let receiver = Receiver { face: segment.face, at, across: plane.normal.cross(along), plane };
+        Receiver { face: segment.face, at, across: plane.normal.cross(along), plane }
+    }
+
+    pub(super) fn jump(&self, segment: &DSegment, at: DVec3) -> f64 {
+        let receiver = self.receiver(segment, at);
         let jump = match segment.event {
             Event::Contact { .. } => self.of_contact(&receiver),
             Event::LampEdge { lamp, .. } => self.of_lamp(&receiver, lamp),
@@ -113,6 +124,17 @@ impl Surroundings<'_> {
             Degree::D1 => MISSED_KINK * segment.strength * width_m,
             Degree::D2 => MISSED_CURVATURE * segment.strength * width_m * width_m,
         }
+    }
+
+    /// Whether a d-segment changes irradiance by at least `least`, in W/m2, over the width of its face; of a part of a face it must be
+    /// more, and where it is of degree 2 the penumbra must be narrow.
+    pub(super) fn counts(&self, segment: &DSegment, least: f64) -> bool {
+        let effect = self.effect(segment);
+        let emitter = segment.event.emitter().map(|id| &self.features.emitters[id]);
+        let Some(part) = emitter.filter(|emitter| emitter.part_m.is_some()) else { return effect >= least };
+        let receiver = self.receiver(segment, segment.ends_m[0].midpoint(segment.ends_m[1]));
+        let narrow = || effect >= NARROW * unhindered(&receiver, part).element_sum() / 3.0;
+        effect >= PART_OF_FACE * least && (segment.degree != Degree::D2 || narrow())
     }
 
     /// Behind a corner and a line, one of the source and one of the occluder.
@@ -206,15 +228,7 @@ impl Surroundings<'_> {
     /// At a contact: what the emitters before the receiver give unhindered, each as a disc of its area that is seen from its
     /// middle.
     fn of_contact(&self, receiver: &Receiver) -> Rgb {
-        let disc = |emitter: &super::Emitter| {
-            let ray = emitter.centroid_m - receiver.at;
-            let r2 = ray.length_squared().max(f64::MIN_POSITIVE);
-            let direction = ray / r2.sqrt();
-            let cosines =
-                receiver.plane.normal.dot(direction).max(0.0) * (-emitter.plane.normal.dot(direction)).max(0.0);
-            emitter.radiance * (PI * cosines * emitter.area_m2 / (PI * r2 + emitter.area_m2))
-        };
-        self.features.emitters.iter().map(disc).sum()
+        self.features.emitters.iter().map(|emitter| unhindered(receiver, emitter)).sum()
     }
 
     /// The radiance that comes to `eye` along the ray that passes `point`, from emitters behind it.
@@ -264,6 +278,15 @@ impl Surroundings<'_> {
         let pieces = wedge.pieces(self.visibility, up_to, looked_through);
         Some(View { hiding: trace::part_at(&pieces, up_to, true), wedge })
     }
+}
+
+/// What an emitter before a receiver gives unhindered, as a disc of its area that is seen from its middle.
+fn unhindered(receiver: &Receiver, emitter: &Emitter) -> Rgb {
+    let ray = emitter.centroid_m - receiver.at;
+    let r2 = ray.length_squared().max(f64::MIN_POSITIVE);
+    let direction = ray / r2.sqrt();
+    let cosines = receiver.plane.normal.dot(direction).max(0.0) * (-emitter.plane.normal.dot(direction)).max(0.0);
+    emitter.radiance * (PI * cosines * emitter.area_m2 / (PI * r2 + emitter.area_m2))
 }
 
 /// A line on a source, seen from a receiver point.

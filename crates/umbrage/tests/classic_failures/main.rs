@@ -8,6 +8,7 @@ mod common;
 
 mod dark_room;
 mod exact;
+mod sun_patch;
 mod switch_plate;
 mod table_leg;
 

@@ -206,10 +206,11 @@ fn a_spot_on_a_ceiling_is_reflected_from_where_it_lies() {
 }
 
 #[test]
-#[ignore = "eight bakes: a measurement for docs/events.md"]
+#[ignore = "sixteen bakes: a measurement for docs/events.md"]
 fn cuts_along_shadows_in_the_light_of_a_spot_on_a_ceiling_pay_where_it_is_fine() {
-    let (scene, exact) = under_a_spot(true);
-    for tolerance in [0.01, 0.003, 0.002, 0.001] {
+    for (own_face, tolerance) in [true, false].into_iter().flat_map(|own| [0.01, 0.003, 0.002, 0.001].map(|t| (own, t)))
+    {
+        let (scene, exact) = under_a_spot(own_face);
         let [with, without] = [true, false].map(|secondary_sources| {
             let shade = ShadeSettings { tolerance, ..ShadeSettings::default() };
             let settings = BakeSettings { secondary_sources, shade, ..BakeSettings::default() };
@@ -217,10 +218,10 @@ fn cuts_along_shadows_in_the_light_of_a_spot_on_a_ceiling_pay_where_it_is_fine()
             let error = rms(&floor, &across_the_shadow(), |place| exact(place, &leg()));
             let triangles = floor.len();
             println!(
-                "{tolerance}, cuts {secondary_sources}: {triangles} triangles, error {error:.6} W/m2 in the shadow"
+                "own face {own_face}, {tolerance}, cuts {secondary_sources}: {triangles} triangles, error {error:.6} W/m2"
             );
             triangles as f64 * error
         });
-        assert!(with < without || tolerance > 0.005, "{with} and {without} at {tolerance}");
+        println!("triangles times error: {:+.1} %", 100.0 * (with / without - 1.0));
     }
 }

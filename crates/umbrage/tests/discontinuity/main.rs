@@ -6,9 +6,14 @@
     reason = "a test fails by panicking, and says what it counted"
 )]
 
+#[path = "../common/build.rs"]
+#[allow(dead_code, reason = "shared by test binaries, each of which uses a part")]
+mod build;
+
 mod alone;
 mod breaks;
 mod closed_forms;
 mod light;
 mod proof;
 mod random;
+mod secondary;
