@@ -1,9 +1,8 @@
 //! Secondary sources: faces and parts of faces that reflect so much light that the shadows in it can be seen.
 //!
 //! After a first solution, a face that reflects much more than others is a source like any other: its outline casts EV and VE
-//! events past occluders, and where they fall indirect light bends. So does the outline of a part that is much brighter than the rest of its
-//! surface (`bright_part`). Their radiance is not even, so degree and strength are those
-//! of its mean; what is cut along them is the mesh that indirect light is gathered on and the one that is shown, both of which
+//! events past occluders, and where they fall indirect light bends. So does the outline of a part that is much brighter than the rest
+//! of its surface (`bright_part`). Their radiance is not quite even, so degree and strength are those of its mean; what is cut along them is the mesh that indirect light is gathered on and the one that is shown, both of which
 //! find out by themselves what a cut is worth.
 //!
 //! In a room that is lit evenly nothing is much brighter than the mean, and there are none.
@@ -227,9 +226,10 @@ mod tests {
             let others = [whole(&prepared, 0, floor), whole(&prepared, 1, 0.0)];
             cast(&prepared, &[&others[..], &gridded(2, at, 8, of)].concat(), 0.0)
         };
-        // No brighter than the floor; a ring, of which the hull has another shadow.
+        // No brighter than the floor; a ring, of which the hull has another shadow; a spot that fades.
         assert!(lit(1.0, &in_the_square).is_empty());
         assert!(lit(0.0, &|p| if p.truncate().abs().max_element() > 1.5 { 1.0 } else { 0.0 }).is_empty());
+        assert!(lit(0.01, &|p| (1.0 - p.truncate().abs().max_element()).max(0.0)).is_empty());
         assert!(!lit(0.01, &in_the_square).is_empty());
     }
 }
