@@ -136,8 +136,12 @@ pub struct Report {
     pub patches: usize,
     /// How well shaped the patches that carry transport and are not split are: 4 pi A / P^2, median and 5th percentile.
     pub compactness: [f64; 2],
+    /// Of these, the ones that are not split.
+    pub leaves: usize,
     /// Links between patches.
     pub links: usize,
+    /// Wall time of deciding on links, with the splits that this takes, and of finding their form factors, in seconds.
+    pub linking_s: f64,
     /// Vertices of the baked mesh.
     pub vertices: usize,
     /// Triangles of the baked mesh.
@@ -152,6 +156,18 @@ pub struct Report {
     pub energy: EnergyAccount,
     /// Seconds of each stage, in order.
     pub seconds: Vec<(Stage, f64)>,
+}
+
+impl Report {
+    /// Links for each patch that is not split.
+    pub fn links_a_leaf(&self) -> f64 {
+        self.links as f64 / self.leaves.max(1) as f64
+    }
+
+    /// Wall time of a link, in seconds.
+    pub fn seconds_a_link(&self) -> f64 {
+        self.linking_s / self.links.max(1) as f64
+    }
 }
 
 /// A baked scene.
@@ -190,11 +206,12 @@ impl From<PrepareError> for BakeError {
 struct Clock {
     since: Instant,
     seconds: Vec<(Stage, f64)>,
+    linking_s: f64,
 }
 
 impl Clock {
     fn start() -> Self {
-        Self { since: Instant::now(), seconds: Vec::new() }
+        Self { since: Instant::now(), seconds: Vec::new(), linking_s: 0.0 }
     }
 
     fn end_of(&mut self, stage: Stage) {
@@ -263,7 +280,9 @@ pub fn bake_and_keep(
         secondary: secondary.len(),
         patches: mesh.patch_count(),
         compactness: compactness_of(mesh),
+        leaves: mesh.leaves().count(),
         links: links.len(),
+        linking_s: clock.linking_s,
         vertices: shaded.mesh.vertex_count(),
         triangles: shaded.mesh.triangle_count(),
         error: shaded.error,
@@ -380,10 +399,12 @@ fn mesh_and_link(
         OracleKind::FormFactor => None,
         OracleKind::Brightness => BrightnessOracle::new(form_factor, scene, &prepared, &visibility, &mesh),
     };
+    let begin = Instant::now();
     let links = match brightness {
         Some(oracle) => transport::link_all(&prepared, &visibility, &mut mesh, &oracle, progress)?,
         None => transport::link_all(&prepared, &visibility, &mut mesh, &form_factor, progress)?,
     };
+    clock.linking_s = begin.elapsed().as_secs_f64();
     if settings.shade.tolerance.is_finite() {
         let direct = DirectLight::new(scene, &prepared, &visibility);
         transport::split_where_uneven(scene, &prepared, &direct, &mut mesh, progress)?;
