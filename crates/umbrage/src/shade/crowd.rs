@@ -38,7 +38,7 @@ impl Crowd {
         }
     }
 
-    /// What is sent in the direction `towards`, in W; times the square of the distance over pi it is irradiance.
+    /// What is sent in the direction `towards`, in W; over pi and the square of the distance it is irradiance on what faces the crowd.
     pub(super) fn sent(&self, towards: DVec3) -> Rgb {
         let [x, y, z] = towards.to_array();
         let first = x * self.first[0] + y * self.first[1] + z * self.first[2];

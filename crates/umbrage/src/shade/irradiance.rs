@@ -149,11 +149,11 @@ impl<'a> Irradiance<'a> {
         let mut of_crowds = Vec::new();
         let mut open: SmallVec<[ClusterId; 64]> = self.visibility.whole_cluster().into_iter().collect();
         while let Some(id) = open.pop() {
-            let cluster = self.visibility.cluster(id);
-            let Some(view) = CrowdView::new(receiver.position_m, receiver.normal, &cluster) else { continue };
             if self.most[id] <= 0.0 {
                 continue;
             }
+            let cluster = self.visibility.cluster(id);
+            let Some(view) = CrowdView::new(receiver.position_m, receiver.normal, &cluster) else { continue };
             if view.most(self.most[id]).is_some_and(|most| most < CROWD_OF_MEAN * self.mean) {
                 if self.sees_crowd(receiver, id, view.towards()) {
                     of_crowds.push(view.term(id));
@@ -203,8 +203,13 @@ impl<'a> Irradiance<'a> {
         let subpatches = self.reflected.subpatches(patch);
         if most_of_mean < WEAK_OF_MEAN {
             if subpatches.is_none() || self.reflected.is_linear(patch, factor) {
-                let rays = if most_of_mean < FAINT_OF_WEAK * WEAK_OF_MEAN { 1 } else { RAYS };
-                return self.add_rays(sight, patch, (factor, rays), terms);
+                // A ray to what lies below the horizon would leave through the receiver's own plane.
+                let is_faint = most_of_mean < FAINT_OF_WEAK * WEAK_OF_MEAN;
+                return if is_faint && view.over_horizon_m(reflecting.middle_m) > 0.0 {
+                    self.add_ray(sight, patch, factor, terms);
+                } else {
+                    self.add_rays(sight, patch, factor, terms);
+                };
             }
             return subpatches.into_iter().flatten().for_each(|part| self.add_patch(sight, part, terms));
         }
@@ -220,17 +225,18 @@ impl<'a> Irradiance<'a> {
         }
     }
 
-    /// Adds what rays see of a patch of this factor, as if it were so all over it above the horizon.
-    fn add_rays(&self, sight: &Sight<'_>, patch: PatchId, (factor, rays): (f64, usize), terms: &mut impl FnMut(Term)) {
+    /// Adds a patch of this factor where a ray sees its middle.
+    fn add_ray(&self, sight: &Sight<'_>, patch: PatchId, factor: f64, terms: &mut impl FnMut(Term)) {
+        let ReflectingPatch { source, middle_m, .. } = &self.sources[patch];
+        if self.sees(sight, source, *middle_m) {
+            terms(self.reflected.term_of_whole(&sight.view, patch, factor));
+        }
+    }
+
+    /// Adds what a few rays see of a patch of this factor, as if it were so all over it above the horizon.
+    fn add_rays(&self, sight: &Sight<'_>, patch: PatchId, factor: f64, terms: &mut impl FnMut(Term)) {
         let ReflectingPatch { source, middle_m, .. } = &self.sources[patch];
         let view = &sight.view;
-        // A ray to what lies below the horizon would leave through the receiver's own plane.
-        if rays == 1 && view.over_horizon_m(*middle_m) > 0.0 {
-            if self.sees(sight, source, *middle_m) {
-                terms(self.reflected.term_of_whole(view, patch, factor));
-            }
-            return;
-        }
         let mut whole = 0.0;
         let mut seen: SmallVec<[(f64, DVec2); RAYS]> = SmallVec::new();
         for ray in 0..RAYS {
@@ -343,12 +349,13 @@ mod tests {
     use crate::solve::{SolveSettings, Surfaces, solve};
     use crate::transport::{FormFactorOracle, link_all};
     use crate::visibility::fixture;
+    use glam::Vec3Swizzles;
 
-    /// Irradiance, direct and indirect, at points of a face given by shares of its first and last side.
+    /// Irradiance, direct and indirect, at points of faces given by shares of their first and last side.
     fn at_points(
         polygons: &[(Vec<DVec3>, usize)],
         materials: Vec<Material>,
-        face: usize,
+        faces: &[usize],
         points: &[[f64; 2]],
     ) -> Vec<[Rgb; 2]> {
         let (prepared, scene) = (fixture::prepared_of_materials(polygons), fixture::scene(materials));
@@ -363,14 +370,14 @@ mod tests {
         let solution = solve(&mesh, &surfaces, &links, settings, Progress::silent()).unwrap();
         let irradiance =
             Irradiance::new(&prepared, &index, &mesh, &solution.reflected, solution.mean_irradiance(&mesh));
-        let face = FaceId::from(face);
-        let corners = prepared.polygon_m(face);
-        let evaluate = |&[s, t]: &[f64; 2]| {
+        let evaluate = |(&face, &[s, t]): (&usize, &[f64; 2])| {
+            let face = FaceId::from(face);
+            let corners = prepared.polygon_m(face);
             let p = corners[0] + s * (corners[1] - corners[0]) + t * (corners[corners.len() - 1] - corners[0]);
             let receiver = ReceiverPoint::on_face(&prepared, face, p);
             [direct.at(&receiver), irradiance.indirect(&receiver)]
         };
-        points.iter().map(evaluate).collect()
+        faces.iter().flat_map(|face| points.iter().map(move |point| (face, point))).map(evaluate).collect()
     }
 
     const POINTS: [[f64; 2]; 5] = [[0.5, 0.5], [0.013, 0.4], [0.1, 0.11], [0.999, 0.001], [0.31, 0.77]];
@@ -379,7 +386,7 @@ mod tests {
     fn a_furnace_is_evenly_lit_up_to_its_corners() {
         let glow = Material { reflectance: Rgb::splat(0.5), ..Material::emitting("glow", Rgb::ONE / PI) };
         let room: Vec<_> = fixture::inward_box(DVec3::ZERO, DVec3::ONE).into_iter().map(|wall| (wall, 0)).collect();
-        for [direct, indirect] in at_points(&room, vec![glow], 0, &POINTS) {
+        for [direct, indirect] in at_points(&room, vec![glow], &[0], &POINTS) {
             assert!((direct - 1.0).abs().max_element() < 1e-9, "direct {direct}");
             assert!((indirect - 1.0).abs().max_element() < 2e-2, "indirect {indirect}");
         }
@@ -398,39 +405,40 @@ mod tests {
         let materials =
             vec![Material::diffuse("grey", Rgb::splat(0.5)), Material::emitting("lamp", Rgb::new(1.0, 2.0, 0.0))];
         let scene = [(square(0.0, true), 0), (square(1.0, false), 1)];
-        let [direct, indirect] = at_points(&scene, materials, 0, &[[0.5, 0.5]])[0];
+        let [direct, indirect] = at_points(&scene, materials, &[0], &[[0.5, 0.5]])[0];
         assert!((direct / (PI * 0.2394564705) - Rgb::new(1.0, 2.0, 0.0)).abs().max_element() < 1e-9);
         assert_eq!(indirect, Rgb::ZERO);
     }
 
-    #[test]
-    fn a_closed_room_beside_a_lit_one_is_exactly_dark() {
-        let corner = |x: f64, z: f64| DVec3::new(x, 0.0, z);
-        let lit = fixture::inward_box(corner(0.0, 0.0), DVec3::ONE);
-        let dark = fixture::inward_box(corner(1.0, 0.0), DVec3::new(2.0, 1.0, 1.0));
-        let mut room: Vec<_> = lit.into_iter().enumerate().map(|(i, wall)| (wall, usize::from(i == 1))).collect();
-        room.extend(dark.into_iter().map(|wall| (wall, 0)));
+    /// The second of two rooms, of which the ceiling of the first glows, must be dark at points of all of its walls.
+    fn is_exactly_dark([lit, dark]: [[DVec3; 2]; 2], others: Vec<Vec<DVec3>>, points: &[[f64; 2]]) {
+        let walls = [lit, dark].into_iter().flat_map(|[low, high]| fixture::inward_box(low, high));
+        let room: Vec<_> = walls.chain(others).enumerate().map(|(i, wall)| (wall, usize::from(i == 1))).collect();
         let materials = vec![Material::diffuse("white", Rgb::splat(0.9)), Material::emitting("lamp", Rgb::ONE)];
-        for face in 6..12 {
-            for light in at_points(&room, materials.clone(), face, &POINTS) {
-                assert_eq!(light, [Rgb::ZERO; 2]);
-            }
+        for light in at_points(&room, materials, &[6, 7, 8, 9, 10, 11], points) {
+            assert_eq!(light, [Rgb::ZERO; 2]);
         }
     }
 
     #[test]
+    fn a_closed_room_beside_a_lit_one_is_exactly_dark() {
+        let rooms = [[DVec3::ZERO, DVec3::ONE], [DVec3::X, DVec3::new(2.0, 1.0, 1.0)]];
+        is_exactly_dark(rooms, Vec::new(), &POINTS);
+    }
+
+    #[test]
     fn a_closed_box_inside_a_lit_room_is_exactly_dark() {
-        // The room's walls lie on both sides of the planes of the box.
-        let lit = fixture::inward_box(DVec3::ZERO, DVec3::splat(3.0));
-        let dark = fixture::inward_box(DVec3::new(1.9, 0.3, 0.2), DVec3::new(2.6, 0.9, 1.1));
-        let mut room: Vec<_> = lit.into_iter().enumerate().map(|(i, wall)| (wall, usize::from(i == 1))).collect();
-        room.extend(dark.into_iter().map(|wall| (wall, 0)));
-        let materials = vec![Material::diffuse("white", Rgb::splat(0.9)), Material::emitting("lamp", Rgb::ONE)];
-        for face in 6..12 {
-            for light in at_points(&room, materials.clone(), face, &POINTS) {
-                assert_eq!(light, [Rgb::ZERO; 2]);
-            }
-        }
+        // The room's walls lie on both sides of the planes of the box, and so do small plates, lying and upright.
+        let dark = [DVec3::new(1.9, 0.3, 0.2), DVec3::new(2.6, 0.9, 1.1)];
+        let plate = |i: u32| {
+            let middle = 0.1 + 2.8 * (f64::from(i) * DVec3::new(0.618034, 0.754878, 0.569840)).fract();
+            let upright = |corner: DVec3| fixture::f32_point(middle + (corner - middle).zyx());
+            let lying = fixture::square(middle, 0.04, i % 2 == 0);
+            let is_outside = (middle.cmplt(dark[0] - 0.1) | middle.cmpgt(dark[1] + 0.1)).any();
+            is_outside.then(|| if i % 3 == 0 { lying } else { lying.into_iter().map(upright).collect() })
+        };
+        let grid: Vec<[f64; 2]> = (0..25).map(|i| [i % 5, i / 5].map(|k| (f64::from(k) + 0.5) / 5.0)).collect();
+        is_exactly_dark([[DVec3::ZERO, DVec3::splat(3.0)], dark], (0..200).filter_map(plate).collect(), &grid);
     }
 
     #[test]

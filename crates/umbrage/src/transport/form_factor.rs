@@ -63,9 +63,7 @@ pub fn factor_in_view(view: &PlaneView, corners_m: &[DVec2]) -> f64 {
 /// The factor of a point to what it sees of a source.
 pub fn factor_of_seen(visibility: &Visibility, receiver: &ReceiverPoint, source: &FlatSource) -> f64 {
     let Some(view) = visibility.view(receiver, source) else { return 0.0 };
-    let Some(beam) = visibility.beam(receiver, view, source) else { return 0.0 };
-    let seen = visibility.seen_in(beam, None);
-    seen.measure(|corners_m| factor_in_view(&view, corners_m)).max(0.0)
+    visibility.seen(receiver, source).measure(|corners_m| factor_in_view(&view, corners_m)).max(0.0)
 }
 
 /// A patch as the estimate sees it: a disc.
