@@ -163,8 +163,7 @@ fn results(scenes: &[Measured]) -> Table {
     ]);
     for scene in scenes {
         let (last, verified) = (scene.last(), &scene.verified);
-        let [polygons, faces, links, triangles] =
-            [last.polygons, last.faces, last.links, last.triangles].map(grouped);
+        let [polygons, faces, links, triangles] = [last.polygons, last.faces, last.links, last.triangles].map(grouped);
         let of_links = last.links as f64;
         let a_leaf = last.leaves.map_or(String::new(), |leaves| format!("{:.1}", of_links / leaves.max(1) as f64));
         let us_each = last.linking_seconds.map_or(String::new(), |s| format!("{:.1}", 1e6 * s / of_links.max(1.0)));

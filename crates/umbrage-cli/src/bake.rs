@@ -15,8 +15,8 @@ use crate::interrupt::{Interrupted, Kept};
 use crate::light::Fluxes;
 use crate::method::{MethodArgs, facts, positive, share};
 use crate::output::{self, Output};
-use crate::scene_file::SceneArgs;
 use crate::reuse::Reuse;
+use crate::scene_file::SceneArgs;
 use crate::steps::{Hurry, Step, bake_in_steps, bake_in_steps_by};
 use crate::{interrupt, summary};
 
@@ -102,7 +102,11 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     check_folder(&args.output)?;
     if let Some(reuse) = &args.reuse {
         check_folder(reuse)?;
-        anyhow::ensure!(*reuse != args.output, "{}: cannot be both the baked file and what --reuse takes up", reuse.display());
+        anyhow::ensure!(
+            *reuse != args.output,
+            "{}: cannot be both the baked file and what --reuse takes up",
+            reuse.display()
+        );
     }
     let begin = Instant::now();
     let mut scene = args.reading.read(&args.scene, args.max_reflectance)?;

@@ -51,7 +51,8 @@ fn the_first_bake_makes_the_file_and_the_next_ones_take_it_up() {
     let (second, told, warned) = bakes.baked("second.glb", &reuse);
     assert!(told.contains("Took up") && told.contains("no more than a factor") && warned.is_empty(), "{told}{warned}");
     assert!(plain == first && first == second);
-    let (_, told, _) = bakes.baked("blue.glb", &[&reuse[..], &["--emit", "light=1,2,9", "--reflectance", "red=0.9"]].concat());
+    let (_, told, _) =
+        bakes.baked("blue.glb", &[&reuse[..], &["--emit", "light=1,2,9", "--reflectance", "red=0.9"]].concat());
     assert!(told.contains("another brightness or colour"), "{told}");
     assert_eq!(fs::read(&kept).unwrap(), on_disk, "the file stays as it is");
 }

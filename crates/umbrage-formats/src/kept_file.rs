@@ -59,8 +59,10 @@ pub enum KeptFileError {
 /// # Errors
 /// [`FormatError::Unwritable`] where the file cannot be written.
 pub fn write_kept(path: &Path, kept: &Kept) -> Result<u64, FormatError> {
-    let bytes = bytes_of(kept)
-        .map_err(|source| FormatError::Unwritable { file: path.display().to_string(), source: io::Error::other(source) })?;
+    let bytes = bytes_of(kept).map_err(|source| FormatError::Unwritable {
+        file: path.display().to_string(),
+        source: io::Error::other(source),
+    })?;
     write_atomically(path, &bytes)?;
     Ok(bytes.len() as u64)
 }
@@ -139,7 +141,8 @@ mod tests {
 
         // Someone who knows the checksum may write what they like: it is refused, or bakes to something, but never panics.
         let payload = MAGIC.len() + VERSION.len()..bytes.len() - CHECKSUM;
-        let mut runner = TestRunner::new_with_rng(ProptestConfig::with_cases(48), TestRng::deterministic_rng(RngAlgorithm::ChaCha));
+        let mut runner =
+            TestRunner::new_with_rng(ProptestConfig::with_cases(48), TestRng::deterministic_rng(RngAlgorithm::ChaCha));
         let strategy = proptest::collection::vec((payload, any::<u8>()), 1..4);
         runner
             .run(&strategy, |changes| {

@@ -30,7 +30,8 @@ use crate::scene::{Rgb, Scene, SceneError};
 use crate::shade::{self, BakedMesh, Irradiance, ShadeMeshes, ShadeSettings, Terms};
 use crate::solve::{self, EnergyAccount, Solution, SolveSettings, Surfaces};
 use crate::transport::{
-    self, BrightnessOracle, DirectLight, FormFactorOracle, KnownSources, Linear, Links, OracleKind, SourceMemory, SourcesSeen,
+    self, BrightnessOracle, DirectLight, FormFactorOracle, KnownSources, Linear, Links, OracleKind, SourceMemory,
+    SourcesSeen,
 };
 use crate::visibility::{AtPoints, Memory, Notes, Visibility};
 
@@ -268,10 +269,8 @@ pub(crate) struct Known<'a> {
     pub(crate) gathered: &'a AtPoints<Terms>,
     /// d-segments of what reflected much.
     pub(crate) secondary: Table<DSegmentId, DSegment>,
-    /// What links missed.
-    pub(crate) missed: Table<PatchId, Linear<Rgb>>,
-    /// Whether light is that of before times a factor for each colour, and no more need bounce.
-    pub(crate) is_scaled: bool,
+    /// What links miss, where light is that of before times a factor for each colour: then no more need bounce.
+    pub(crate) missed: Option<Table<PatchId, Linear<Rgb>>>,
 }
 
 /// What there was before a bake.
@@ -337,13 +336,12 @@ pub(crate) fn solve(
         Before::ToBeNoted(notes) => {
             shade::bounce(prepared, visibility, mesh, &mut surfaces, solve, Some(&notes.bounced), progress)?
         }
-        Before::Known(known) => {
-            surfaces.missed.clone_from(&known.missed);
-            if known.is_scaled {
-                solve(&surfaces)?
-            } else {
-                shade::bounce_again(prepared, visibility, mesh, &mut surfaces, solve, known.bounced, progress)?
-            }
+        Before::Known(Known { missed: Some(missed), .. }) => {
+            surfaces.missed.clone_from(missed);
+            solve(&surfaces)?
+        }
+        Before::Known(Known { missed: None, bounced, .. }) => {
+            shade::bounce_again(prepared, visibility, mesh, &mut surfaces, solve, bounced, progress)?
         }
     };
     Ok(Solved { surfaces, solution })

@@ -38,7 +38,8 @@ fn afresh(scene: &Scene) -> Bake {
 fn with_lamp(x_m: f64, intensity: f64) -> Scene {
     let mut scene = cornell_box();
     let position_m = DVec3::new(x_m, 0.25, 0.35) * extent_m(&scene);
-    let kind = LampKind::Point { position_m: low_m(&scene) + position_m, intensity: Rgb::splat(intensity), range_m: None };
+    let kind =
+        LampKind::Point { position_m: low_m(&scene) + position_m, intensity: Rgb::splat(intensity), range_m: None };
     scene.lamps.push(Lamp { name: "bulb".into(), kind });
     scene
 }
@@ -61,17 +62,20 @@ fn material<'a>(scene: &'a mut Scene, name: &str) -> &'a mut umbrage::scene::Mat
 /// their means, over the mean.
 fn difference(first: &Bake, second: &Bake) -> [f64; 2] {
     let (first, second) = (lit_triangles(&first.mesh), lit_triangles(&second.mesh));
-    let (mut squared, mut surplus, mut light, mut area) = (0.0, 0.0, 0.0, 0.0);
-    for triangle in &first {
+    let [mean, other] = [&first, &second].map(|triangles| mean(triangles));
+    let squared = |triangle: &Lit| {
         let at = triangle.corners.iter().sum::<DVec3>() / 3.0;
-        let mean = triangle.irradiance.iter().sum::<DVec3>() / 3.0;
-        let there = light_at(&second, at, triangle.normal());
-        squared += triangle.area() * (there - mean).length_squared() / 3.0;
-        surplus += triangle.area() * (there - mean).element_sum() / 3.0;
-        light += triangle.area() * mean.element_sum() / 3.0;
-        area += triangle.area();
-    }
-    [(squared / area).sqrt() / (light / area), surplus / light]
+        let apart = light_at(&second, at, triangle.normal()) - triangle.irradiance.iter().sum::<DVec3>() / 3.0;
+        triangle.area() * apart.length_squared() / 3.0
+    };
+    let area: f64 = first.iter().map(Lit::area).sum();
+    [(first.iter().map(squared).sum::<f64>() / area).sqrt() / mean, other / mean - 1.0]
+}
+
+/// Area mean of the irradiance, over the three colours.
+fn mean(triangles: &[Lit]) -> f64 {
+    let light = |triangle: &Lit| triangle.area() * triangle.irradiance.iter().sum::<DVec3>().element_sum() / 9.0;
+    triangles.iter().map(light).sum::<f64>() / triangles.iter().map(Lit::area).sum::<f64>()
 }
 
 /// What a bake shows at a point.
@@ -81,26 +85,29 @@ fn light_at(triangles: &[Lit], at: DVec3, normal: DVec3) -> DVec3 {
         let [a, b, c] = triangle.corners;
         [(b, c), (c, a), (a, b)].map(|(p, q)| (p - at).cross(q - at).dot(whole) / whole.length_squared())
     };
-    let same_side = |triangle: &&Lit| {
-        triangle.normal().dot(normal) > 0.999 && (triangle.corners[0] - at).dot(normal).abs() < 1e-4
-    };
+    let same_side =
+        |triangle: &&Lit| triangle.normal().dot(normal) > 0.999 && (triangle.corners[0] - at).dot(normal).abs() < 1e-4;
     let inside = |triangle: &Lit| weights(triangle).into_iter().fold(f64::INFINITY, f64::min);
     let best = triangles.iter().filter(same_side).max_by(|p, q| inside(p).total_cmp(&inside(q))).unwrap();
     weights(best).into_iter().zip(best.irradiance).map(|(weight, light)| weight * light).sum()
 }
 
-/// A bake again must show what one from scratch does, and both err by less than the tolerance.
-fn assert_like_afresh(scene: &Scene, kept: &Kept, change: Change) {
+/// A bake again must show what one from scratch does, and both err by less than the tolerance; and the light must have changed by much
+/// more than that, or nothing would be shown.
+fn assert_like_afresh(scene: &Scene, (before, kept): &(Bake, Kept), change: Change) {
     let (baked, told) = again(scene, kept);
     assert_eq!(told, change);
-    let [rms, mean] = difference(&afresh(scene), &baked);
+    let afresh = afresh(scene);
+    let [changed, _] = difference(&afresh, before);
+    let [rms, mean] = difference(&afresh, &baked);
+    assert!(changed > 2.0 * TOLERANCE, "no more than {changed} changed");
     assert!(rms < TOLERANCE && mean.abs() < 0.1 * TOLERANCE, "{rms} rms, {mean} in the mean");
     assert!(baked.report.error < TOLERANCE && baked.report.energy.error().abs() < 0.02, "{:?}", baked.report);
 }
 
 #[test]
 fn where_nothing_changed_the_same_comes_out_whatever_the_threads() {
-    let scene = with_lamp(0.5, 0.5);
+    let scene = with_lamp(0.5, 5.0);
     let of_threads = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
@@ -118,8 +125,8 @@ fn where_nothing_changed_the_same_comes_out_whatever_the_threads() {
 
 #[test]
 fn twice_the_light_is_exactly_twice_everywhere() {
-    let (before, kept) = kept(&with_lamp(0.5, 0.5));
-    let mut bright = with_lamp(0.5, 1.0);
+    let (before, kept) = kept(&with_lamp(0.5, 5.0));
+    let mut bright = with_lamp(0.5, 10.0);
     bright.materials.iter_mut().for_each(|material| material.radiance *= 2.0);
     let (after, change) = again(&bright, &kept);
     assert_eq!(change, Change::Strength);
@@ -132,28 +139,29 @@ fn twice_the_light_is_exactly_twice_everywhere() {
 
 #[test]
 fn other_colours_give_the_light_of_a_bake_from_scratch() {
-    let (_, kept) = kept(&cornell_box());
+    let before = kept(&cornell_box());
     let mut bleached = cornell_box();
     material(&mut bleached, "red").reflectance = Rgb::splat(0.8);
-    assert_like_afresh(&bleached, &kept, Change::Light);
+    material(&mut bleached, "green").reflectance = Rgb::splat(0.8);
+    assert_like_afresh(&bleached, &before, Change::Light);
     let mut dark = cornell_box();
     material(&mut dark, "white").reflectance = Rgb::splat(0.1);
-    assert_like_afresh(&dark, &kept, Change::Light);
+    assert_like_afresh(&dark, &before, Change::Light);
     let mut tinted = cornell_box();
     material(&mut tinted, "light").radiance *= Rgb::new(0.5, 1.0, 3.0);
-    assert_like_afresh(&tinted, &kept, Change::Strength);
+    assert_like_afresh(&tinted, &before, Change::Strength);
 }
 
 #[test]
 fn other_lamps_give_the_light_of_a_bake_from_scratch() {
-    let (_, kept) = kept(&with_lamp(0.5, 0.5));
-    assert_like_afresh(&with_lamp(0.5, 3.0), &kept, Change::Light);
-    assert_like_afresh(&with_lamp(0.25, 0.5), &kept, Change::Lamps);
-    assert_like_afresh(&with_lamp(0.5, 0.0), &kept, Change::Lamps);
-    assert_like_afresh(&cornell_box(), &kept, Change::Lamps);
-    let mut glowing = with_lamp(0.5, 0.5);
-    material(&mut glowing, "green").radiance = Rgb::new(0.1, 0.3, 0.1);
-    assert_like_afresh(&glowing, &kept, Change::Lamps);
+    let before = kept(&with_lamp(0.5, 5.0));
+    assert_like_afresh(&with_lamp(0.5, 15.0), &before, Change::Light);
+    assert_like_afresh(&with_lamp(0.25, 5.0), &before, Change::Lamps);
+    assert_like_afresh(&with_lamp(0.5, 0.0), &before, Change::Lamps);
+    assert_like_afresh(&cornell_box(), &before, Change::Lamps);
+    let mut glowing = with_lamp(0.5, 5.0);
+    material(&mut glowing, "green").radiance = Rgb::new(10.0, 30.0, 10.0);
+    assert_like_afresh(&glowing, &before, Change::Lamps);
 }
 
 #[test]
@@ -170,7 +178,7 @@ fn a_bake_of_other_surfaces_or_with_other_settings_is_refused() {
     surface.positions_m.iter_mut().for_each(|p| p.y += 0.01);
     assert_eq!(refused(&moved, &settings()), RebakeError::NotReusable(NotReusable::Surfaces));
     let mut fewer = scene.clone();
-    fewer.surfaces.iter_mut().last().unwrap().polygons.pop();
+    fewer.surfaces.iter_mut().next().unwrap().polygons.pop();
     assert_eq!(refused(&fewer, &settings()), RebakeError::NotReusable(NotReusable::Surfaces));
     let mut dark = scene;
     dark.materials.iter_mut().for_each(|material| material.radiance = Rgb::ZERO);

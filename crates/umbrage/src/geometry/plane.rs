@@ -1,7 +1,7 @@
 //! Oriented planes and the two-dimensional frames in them.
 
-use serde::{Deserialize, Serialize};
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 use super::polygon;
 

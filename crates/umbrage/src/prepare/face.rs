@@ -9,8 +9,8 @@
 //! - edges meet in end points only: no vertex lies inside an edge, no two edges overlap;
 //! - an edge lists every face on whose boundary it lies, in ascending order; it may have any number of them.
 
-use serde::{Deserialize, Serialize};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 use super::Skin;

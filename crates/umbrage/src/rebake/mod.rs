@@ -103,9 +103,12 @@ impl Kept {
         let (faces, extent_m) = (prepared.faces.len(), prepared.tolerance.extent_m);
         let counts = (self.missed.len(), visibility.cluster_count());
         let of_face = |segment: &DSegment| {
-            segment.face.index() < faces && segment.ends_m.iter().all(|end_m| end_m.is_finite()) && segment.strength.is_finite()
+            segment.face.index() < faces
+                && segment.ends_m.iter().all(|end_m| end_m.is_finite())
+                && segment.strength.is_finite()
         };
-        let terms = |known: &AtPoints<Terms>| known.is_ordered() && known.iter().all(|terms| terms.fits(counts, extent_m));
+        let terms =
+            |known: &AtPoints<Terms>| known.is_ordered() && known.iter().all(|terms| terms.fits(counts, extent_m));
         self.lights.fits(faces)
             && self.segments.iter().chain(&self.secondary).all(of_face)
             && self.sources.is_ordered()
@@ -118,7 +121,9 @@ impl Kept {
     fn fits_mesh(&self, mesh: &Mesh) -> bool {
         let is_there = |link: &Link| link.receiver.index().max(link.source.index()) < mesh.patch_count();
         let possible = |link: &Link| {
-            (0.0..=1.0 + 1e-6).contains(&link.form_factor) && link.gradient.is_finite() && link.moment_factor.is_finite()
+            (0.0..=1.0 + 1e-6).contains(&link.form_factor)
+                && link.gradient.is_finite()
+                && link.moment_factor.is_finite()
         };
         let finite = |missed: &Linear<Rgb>| missed.mean.is_finite() && missed.gradient.iter().all(|g| g.is_finite());
         self.missed.len() == mesh.patch_count()
@@ -200,21 +205,20 @@ pub fn rebake(
     let links = Links::new(kept.links.clone(), mesh.patch_count());
     let sources = KnownSources::new(&kept.sources, &kept.lights.emitters, &kept.lights.lamps, &scene.lamps);
     if change > Change::Strength && settings.shade.tolerance.is_finite() {
-        let direct =
-            DirectLight::new(scene, &prepared, &visibility).with_memory(SourceMemory::Known(sources.clone()));
+        let direct = DirectLight::new(scene, &prepared, &visibility).with_memory(SourceMemory::Known(sources.clone()));
         transport::split_where_uneven(scene, &prepared, &direct, &mut mesh, progress).map_err(BakeError::from)?;
     }
     clock.end_of(Stage::Transport);
 
-    let mut missed: Table<PatchId, Linear<Rgb>> = kept.missed.iter().map(|missed| scaled(missed, factor)).collect();
-    missed.resize(mesh.patch_count(), Linear::default());
+    // What links missed of other light is no start: where it was much brighter, more would be taken off than there is.
+    let missed =
+        (change == Change::Strength).then(|| kept.missed.iter().map(|missed| scaled(missed, factor)).collect());
     let known = Known {
         sources,
         bounced: &kept.bounced,
         gathered: &kept.gathered,
         secondary: kept.secondary.clone().into(),
         missed,
-        is_scaled: change == Change::Strength,
     };
     let linked = Linked { meshed: Meshed { prepared, discontinuities, mesh }, visibility, links };
     let before = Before::Known(known);

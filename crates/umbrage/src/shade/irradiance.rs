@@ -433,9 +433,9 @@ mod tests {
         let plate = |i: u32| {
             let middle = 0.1 + 2.8 * (f64::from(i) * DVec3::new(0.618034, 0.754878, 0.569840)).fract();
             let upright = |corner: DVec3| fixture::f32_point(middle + (corner - middle).zyx());
-            let lying = fixture::square(middle, 0.04, i % 2 == 0);
+            let lying = fixture::square(middle, 0.04, i.is_multiple_of(2));
             let is_outside = (middle.cmplt(dark[0] - 0.1) | middle.cmpgt(dark[1] + 0.1)).any();
-            is_outside.then(|| if i % 3 == 0 { lying } else { lying.into_iter().map(upright).collect() })
+            is_outside.then(|| if i.is_multiple_of(3) { lying } else { lying.into_iter().map(upright).collect() })
         };
         let grid: Vec<[f64; 2]> = (0..25).map(|i| [i % 5, i / 5].map(|k| (f64::from(k) + 0.5) / 5.0)).collect();
         is_exactly_dark([[DVec3::ZERO, DVec3::splat(3.0)], dark], (0..200).filter_map(plate).collect(), &grid);

@@ -43,7 +43,9 @@ impl<'a> KnownSources<'a> {
         before: &Table<LampId, Lamp>,
         lamps: &Table<LampId, Lamp>,
     ) -> Self {
-        let was = |lamp: &Lamp| before.iter_enumerated().find(|(_, old)| old.emits() && old.shines_where(lamp)).map(|(id, _)| id);
+        let was = |lamp: &Lamp| {
+            before.iter_enumerated().find(|(_, old)| old.emits() && old.shines_where(lamp)).map(|(id, _)| id)
+        };
         Self { seen, emitters, lamps: lamps.iter().map(was).collect() }
     }
 }

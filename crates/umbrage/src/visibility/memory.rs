@@ -40,7 +40,8 @@ impl PointKey {
     /// The part of the notes that it belongs to.
     fn part(&self) -> usize {
         // The high bits of a product depend on all bits of its factors.
-        let mixed = self.position_bits.iter().fold(0_u64, |mixed, bits| (mixed.rotate_left(21) ^ bits).wrapping_mul(ODD));
+        let mixed =
+            self.position_bits.iter().fold(0_u64, |mixed, bits| (mixed.rotate_left(21) ^ bits).wrapping_mul(ODD));
         (mixed >> 32) as usize % PARTS
     }
 }
