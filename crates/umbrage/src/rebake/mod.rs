@@ -34,7 +34,7 @@ use crate::bake::{
     Bake, BakeError, BakeNotes, BakeSettings, Before, Clock, Known, Linked, Lit, Meshed, mesh_and_link, show, solve,
 };
 use crate::discontinuity::{self, DSegment, Discontinuities};
-use crate::id::{PatchId, Table};
+use crate::id::PatchId;
 use crate::mesh::Mesh;
 use crate::prepare::{self, Prepared};
 use crate::progress::{Progress, Stage};
