@@ -42,8 +42,8 @@ pub struct Mesh {
     jump_roots: BTreeSet<EdgeId>,
     /// Whether a cut of degree 0 ends at, or passes, a vertex.
     jump_vertices: Table<VertexId, bool>,
-    /// The root of the edge that each vertex split; `None` for those of the prepared faces.
-    split_roots: Table<VertexId, Option<EdgeId>>,
+    /// The edge that each vertex split; `None` for those of the prepared faces.
+    split_edges: Table<VertexId, Option<EdgeId>>,
     pub(super) edges: EdgeTrees,
     pub(super) patches: Table<PatchId, Patch>,
     /// The patches that `split` was asked for and were not split yet, in order.
@@ -86,7 +86,7 @@ impl Mesh {
             vertices_m: prepared.vertices_m.clone(),
             jump_roots: BTreeSet::new(),
             jump_vertices: vec![false; prepared.vertices_m.len()].into(),
-            split_roots: vec![None; prepared.vertices_m.len()].into(),
+            split_edges: vec![None; prepared.vertices_m.len()].into(),
             edges,
             patches: Table::with_capacity(prepared.faces.len()),
             asked: Vec::new(),
@@ -145,7 +145,14 @@ impl Mesh {
 
     /// The root of the edge that a vertex split; `None` for a vertex of the prepared faces.
     pub fn split_root(&self, vertex: VertexId) -> Option<EdgeId> {
-        self.split_roots[vertex]
+        self.split_edges[vertex].map(|edge| self.edges.root(edge))
+    }
+
+    /// The ends of the edge that a vertex split, if it did so in the middle.
+    pub fn halved_by(&self, vertex: VertexId) -> Option<[VertexId; 2]> {
+        let ends = self.edges.ends(self.split_edges[vertex]?);
+        let middle_m = self.vertex_m(ends[0]).midpoint(self.vertex_m(ends[1]));
+        (middle_m.distance(self.vertex_m(vertex)) < self.least_edge_m).then_some(ends)
     }
 
     /// Whether light may jump across an edge because it is a cut along a d-segment of degree 0.
@@ -276,9 +283,8 @@ impl Mesh {
     /// Splits a leaf edge at `point`, rounded to `f32`; every patch along the edge sees the new vertex from now on.
     pub(super) fn split_edge(&mut self, leaf: EdgeId, point: DVec3) -> VertexId {
         let vertex = self.vertices_m.push_and_get_key(point.as_vec3().as_dvec3());
-        let root = self.edges.root(leaf);
-        self.split_roots.push(Some(root));
-        self.jump_vertices.push(self.jump_roots.contains(&root));
+        self.split_edges.push(Some(leaf));
+        self.jump_vertices.push(self.is_jump(leaf));
         self.edges.split(leaf, vertex);
         vertex
     }

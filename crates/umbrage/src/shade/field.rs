@@ -41,7 +41,7 @@ enum Side {
     Patch(PatchId),
 }
 
-/// A point of the mesh: a vertex, or the middle between two.
+/// A point of the mesh: the middle between two vertices, or a vertex that is not the middle of the edge that it split.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct MeshPoint {
     vertices: [VertexId; 2],
@@ -125,21 +125,26 @@ impl<'a> Places<'a> {
     pub(super) fn vertex(&self, mesh: &Mesh, patch: PatchId, vertex: VertexId) -> Request {
         let side = self.side(mesh, patch, self.on_contact(mesh, vertex));
         let point = self.inside(mesh, patch, mesh.vertex_m(vertex));
-        Request { key: MeshPoint { vertices: [vertex; 2], side }, point, patch }
+        let vertices = sorted(mesh.halved_by(vertex).unwrap_or([vertex; 2]));
+        Request { key: MeshPoint { vertices, side }, point, patch }
     }
 
     /// The value in the middle between two boundary points of a patch.
     pub(super) fn middle(&self, mesh: &Mesh, patch: PatchId, ends: [&BoundaryPoint; 2]) -> Request {
-        let mut vertices = ends.map(|end| end.vertex);
-        vertices.sort_unstable();
-        let jumps = ends.iter().any(|end| {
-            let root = mesh.edges().root(end.leaf.edge);
-            mesh.is_jump(root) || self.contact_edges.get(root.index()).copied().unwrap_or(false)
-        });
+        let vertices = sorted(ends.map(|end| end.vertex));
+        let runs = ends.iter().flat_map(|end| mesh.patch(patch).side(end.side));
+        let jumps = runs
+            .map(|edge| mesh.edges().root(edge.edge))
+            .any(|root| mesh.is_jump(root) || self.contact_edges.get(root.index()).copied().unwrap_or(false));
         let side = self.side(mesh, patch, jumps);
         let at_m = mesh.vertex_m(vertices[0]).midpoint(mesh.vertex_m(vertices[1]));
         Request { key: MeshPoint { vertices, side }, point: self.inside(mesh, patch, at_m), patch }
     }
+}
+
+fn sorted(mut vertices: [VertexId; 2]) -> [VertexId; 2] {
+    vertices.sort_unstable();
+    vertices
 }
 
 /// Requests in the order of their keys, one for each.

@@ -9,6 +9,7 @@ mod element;
 mod field;
 mod interpolated;
 mod irradiance;
+mod parabola;
 mod part;
 mod refine;
 mod reflected;
