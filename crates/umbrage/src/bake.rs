@@ -458,7 +458,7 @@ pub fn trace(
 }
 
 /// The stages up to `discontinuity`, which is left out where no `least_share` is given.
-pub(crate) fn prepare_and_trace(
+fn prepare_and_trace(
     scene: &Scene,
     prepare: PrepareSettings,
     least_share: Option<f64>,

@@ -37,9 +37,9 @@ impl Mesh {
         if self.boundary(patch).len() > TRIANGLE { self.point_split(patch) } else { self.triangle_split(patch) }
     }
 
-    /// The patches that `split` was asked for and were not split before, in order. Where the same faces and d-segments are given, it makes
-    /// the same mesh of them again: what a split does depends on those before it alone, and so do those that fail, which may leave
-    /// point hints.
+    /// The patches that `split` was asked for and were not split before, in order. Where nothing but `split` cut the mesh, they make the
+    /// same one again of the same faces and d-segments: what a split does depends on those before it alone; those that fail count, since
+    /// they may leave point hints.
     pub fn splits_asked(&self) -> &[PatchId] {
         &self.asked
     }

@@ -43,6 +43,9 @@ use crate::shade::Terms;
 use crate::transport::{self, DirectLight, KnownSources, Linear, Link, Links, SourceMemory, SourcesSeen};
 use crate::visibility::{AtPoints, Visibility};
 
+/// No form factor is more than 1, but for rounding.
+const MOST_FACTOR: f64 = 1.0 + 1e-6;
+
 /// What a bake leaves for another one of the same faces.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Kept {
@@ -50,13 +53,19 @@ pub struct Kept {
     settings: String,
     faces: Faces,
     lights: Lights,
+    /// Those that lamps and emitters cast: with `splits`, what makes the patches that carry transport again.
     segments: Vec<DSegment>,
+    /// Those of what reflects much.
     secondary: Vec<DSegment>,
     splits: Vec<PatchId>,
     links: Vec<Link>,
+    /// What links missed of reflected light, of each patch.
     missed: Vec<Linear<Rgb>>,
+    /// What points see of the light sources.
     sources: AtPoints<SourcesSeen>,
+    /// What points of the patches that carry transport see of each other.
     bounced: AtPoints<Terms>,
+    /// What points see of these patches where indirect light is gathered to be shown.
     gathered: AtPoints<Terms>,
 }
 
@@ -121,7 +130,7 @@ impl Kept {
     fn fits_mesh(&self, mesh: &Mesh) -> bool {
         let is_there = |link: &Link| link.receiver.index().max(link.source.index()) < mesh.patch_count();
         let possible = |link: &Link| {
-            (0.0..=1.0 + 1e-6).contains(&link.form_factor)
+            (0.0..=MOST_FACTOR).contains(&link.form_factor)
                 && link.gradient.is_finite()
                 && link.moment_factor.is_finite()
         };

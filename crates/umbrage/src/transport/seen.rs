@@ -6,6 +6,9 @@ use crate::id::{FaceId, LampId, Table};
 use crate::scene::Lamp;
 use crate::visibility::{AtPoints, Memory, Notes, ReceiverPoint};
 
+/// No factor is more than 1, but for the rounding of a sum of angles.
+const MOST_FACTOR: f64 = 1.0 + 1e-6;
+
 /// The light sources that a point sees.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SourcesSeen {
@@ -18,8 +21,7 @@ pub struct SourcesSeen {
 impl SourcesSeen {
     /// Whether all that is named is there, and factors can be what they say: where it comes from a file, it must be checked.
     pub fn fits(&self, faces: usize, lamps: usize) -> bool {
-        // Rounding of a sum of angles.
-        let possible = |factor: f64| factor.abs() <= 1.0 + 1e-6;
+        let possible = |factor: f64| factor.abs() <= MOST_FACTOR;
         self.emitters.iter().all(|&(face, factor)| face.index() < faces && possible(factor))
             && self.lamps.iter().all(|lamp| lamp.index() < lamps)
     }
