@@ -118,6 +118,8 @@ fn measured(args: &OneArgs) -> anyhow::Result<Answer> {
         faces: report.faces,
         d_segments: report.d_segments,
         patches: report.patches,
+        leaves: Some(report.leaves),
+        linking_seconds: Some(report.linking_s),
         links: report.links,
         triangles: report.triangles,
         estimate: report.error,

@@ -60,6 +60,12 @@ pub(crate) struct Timed {
     /// d-segments of degree 0, 1 and 2.
     pub(crate) d_segments: [usize; 3],
     pub(crate) patches: usize,
+    /// Of these, the ones that are not split; older runs do not tell.
+    #[serde(default)]
+    pub(crate) leaves: Option<usize>,
+    /// Wall time of linking, in seconds; older runs do not tell.
+    #[serde(default)]
+    pub(crate) linking_seconds: Option<f64>,
     pub(crate) links: usize,
     pub(crate) triangles: usize,
     /// The bake's own estimate of its error, as a share of the mean irradiance.
@@ -139,6 +145,8 @@ pub(crate) mod tests {
             faces: polygons,
             d_segments: [1, 2, 3],
             patches: 10,
+            leaves: Some(8),
+            linking_seconds: Some(4e-5),
             links: 20,
             triangles: 30,
             estimate: 0.01,

@@ -151,6 +151,8 @@ fn results(scenes: &[Measured]) -> Table {
         "polygons",
         "faces",
         "links",
+        "a leaf",
+        "us each",
         "triangles",
         "estimate",
         "error",
@@ -161,7 +163,11 @@ fn results(scenes: &[Measured]) -> Table {
     ]);
     for scene in scenes {
         let (last, verified) = (scene.last(), &scene.verified);
-        let counts = [last.polygons, last.faces, last.links, last.triangles].map(grouped);
+        let [polygons, faces, links, triangles] = [last.polygons, last.faces, last.links, last.triangles].map(grouped);
+        let of_links = last.links as f64;
+        let a_leaf = last.leaves.map_or(String::new(), |leaves| format!("{:.1}", of_links / leaves.max(1) as f64));
+        let us_each = last.linking_seconds.map_or(String::new(), |s| format!("{:.1}", 1e6 * s / of_links.max(1.0)));
+        let counts = [polygons, faces, links, a_leaf, us_each, triangles];
         let shares = [
             percent(last.estimate, 2),
             percent(verified.error[0], 2),
@@ -306,7 +312,7 @@ mod tests {
             "{text}"
         );
         assert!(
-            text.contains("| b     |    3,456 | 3,456 |    20 |        30 |   1.00 % | 0.80 % | 0.01 % | -0.10 % |"),
+            text.contains("| b     |    3,456 | 3,456 |    20 |    2.5 |     2.0 |        30 |   1.00 % | 0.80 % | 0.01 % | -0.10 % |"),
             "{text}"
         );
     }

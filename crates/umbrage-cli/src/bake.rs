@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use clap::Args;
-use umbrage::bake::BakeSettings;
+use umbrage::bake::{self, BakeSettings};
+use umbrage::progress::Progress;
 use umbrage::scene::Scene;
 use umbrage_formats::{Written, choose_nodes, write_baked_glb};
 
@@ -14,8 +15,9 @@ use crate::interrupt::{Interrupted, Kept};
 use crate::light::Fluxes;
 use crate::method::{MethodArgs, facts, positive, share};
 use crate::output::{self, Output};
+use crate::reuse::Reuse;
 use crate::scene_file::SceneArgs;
-use crate::steps::{Hurry, Step, bake_in_steps};
+use crate::steps::{Hurry, Step, bake_in_steps, bake_in_steps_by};
 use crate::{interrupt, summary};
 
 /// Of a limit, so much is left for writing the file, and this share.
@@ -29,6 +31,7 @@ Examples:
   umbrage bake room.glb -o small.glb --max-triangles 5000
   umbrage bake room.glb -o best.glb --time-limit 60
   umbrage bake room.glb -o early.glb --progressive
+  umbrage bake room.glb -o baked.glb --reuse room.umbrage
   umbrage bake room.glb -o brighter.glb --exposure 2.5
   umbrage bake room.glb -o room-only.glb --skip car
   umbrage bake house.obj -o house.glb --unit mm --emit lamp=12,11,9
@@ -50,6 +53,8 @@ the file has none, --emit gives it, or a TOML beside the scene (for room.glb: ro
   intensity = 8
 
 --time-limit and --progressive bake in steps, the first of them at 16 times the tolerance, each finer than the one before. Every step is a whole bake, the same that its tolerance alone gives, and the file names that tolerance. Where the limit ends before the tolerance asked for was reached, a warning says which one was, and the exit code is 0; where it ends before the first step, nothing is written. Ctrl-C ends a bake at once: with --progressive the best result by then stays, without it nothing is written.
+
+--reuse FILE is for trying lamps and colours: the first bake writes FILE, every later one takes it up, whatever changed of emission, reflectance and lamps since. FILE stays as it is until surfaces or options change; it may be deleted at any time.
 
 Units are metres and W/m2; a surface is lit on its front, unless its material is double-sided.";
 
@@ -82,6 +87,10 @@ pub(crate) struct BakeArgs {
     /// Write a coarse result early, and replace it by better ones until the tolerance is reached; takes about a third longer
     #[arg(long)]
     progressive: bool,
+    /// Take up what FILE has of a bake of the same surfaces: after lamps or colours changed it takes a fraction of the time. Where
+    /// there is no such file, or surfaces or options are others, bake as if there were none, and write it
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["time_limit", "progressive"])]
+    reuse: Option<PathBuf>,
     #[command(flatten)]
     reading: SceneArgs,
     #[command(flatten)]
@@ -91,6 +100,14 @@ pub(crate) struct BakeArgs {
 pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     interrupt::listen()?;
     check_folder(&args.output)?;
+    if let Some(reuse) = &args.reuse {
+        check_folder(reuse)?;
+        anyhow::ensure!(
+            *reuse != args.output,
+            "{}: cannot be both the baked file and what --reuse takes up",
+            reuse.display()
+        );
+    }
     let begin = Instant::now();
     let mut scene = args.reading.read(&args.scene, args.max_reflectance)?;
     choose_nodes(&mut scene, &args.only, &args.skip)?;
@@ -98,7 +115,15 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     let hurry = Hurry { early: args.progressive, until: args.time_limit.and_then(|limit| last_moment(begin, limit)) };
     let write = |step: &Step| write(&scene, step, args.exposure, &args.output);
     let mut best = None;
-    let ended = bake_in_steps(&scene, &args.method.settings(), hurry, output, |step| {
+    let reuse = args.reuse.clone().map(Reuse::new);
+    let bake = {
+        let reuse = reuse.clone();
+        move |scene: &Scene, settings: &BakeSettings, progress: Progress<'_>| match &reuse {
+            Some(reuse) => reuse.bake(scene, settings, progress),
+            None => bake::bake(scene, settings, progress),
+        }
+    };
+    let ended = bake_in_steps_by(bake, &scene, &args.method.settings(), hurry, output, |step| {
         let written = args.progressive.then(|| write(&step)).transpose()?;
         if args.progressive && !step.is_asked {
             let seconds = summary::seconds(begin.elapsed().as_secs_f64());
@@ -125,7 +150,8 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
         ));
     }
     let summary = summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, begin.elapsed());
-    output.say(&format!("{summary}Wrote {} ({})", args.output.display(), summary::bytes(written.bytes)))
+    output.say(&format!("{summary}Wrote {} ({})", args.output.display(), summary::bytes(written.bytes)))?;
+    reuse.map_or(Ok(()), |reuse| reuse.finish(output))
 }
 
 /// When a bake must end, so that its file is there within the limit; `None` where it never comes.

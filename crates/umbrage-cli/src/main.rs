@@ -18,6 +18,7 @@ mod memory;
 mod page;
 mod progress;
 mod render;
+mod reuse;
 mod steps;
 mod summary;
 mod verify;

@@ -71,6 +71,18 @@ pub(crate) fn bake_in_steps(
     asked: &BakeSettings,
     hurry: Hurry,
     output: Output,
+    found: impl FnMut(Step) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    bake_in_steps_by(bake::bake, scene, asked, hurry, output, found)
+}
+
+/// The same, where `bake` bakes a step.
+pub(crate) fn bake_in_steps_by(
+    bake: impl Fn(&Scene, &BakeSettings, Progress<'_>) -> Result<Bake, BakeError> + Send + 'static,
+    scene: &Arc<Scene>,
+    asked: &BakeSettings,
+    hurry: Hurry,
+    output: Output,
     mut found: impl FnMut(Step) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let bar = Arc::new(Bar::new(output));
@@ -78,7 +90,7 @@ pub(crate) fn bake_in_steps(
     let (sender, steps) = mpsc::sync_channel(0);
     let worker = {
         let (scene, asked, bar) = (Arc::clone(scene), *asked, Arc::clone(&bar));
-        thread::spawn(move || all_steps(&scene, &asked, hurry, &bar, &sender))
+        thread::spawn(move || all_steps(bake, &scene, &asked, hurry, &bar, &sender))
     };
     let mut steps_done = 0;
     let result = loop {
@@ -113,6 +125,7 @@ pub(crate) fn bake_in_steps(
 
 /// The thread that bakes.
 fn all_steps(
+    bake: impl Fn(&Scene, &BakeSettings, Progress<'_>) -> Result<Bake, BakeError>,
     scene: &Scene,
     asked: &BakeSettings,
     hurry: Hurry,
@@ -130,7 +143,7 @@ fn all_steps(
     while let Some(tolerance) = next {
         let settings = BakeSettings { shade: ShadeSettings { tolerance, ..asked.shade }, ..*asked };
         let begin = Instant::now();
-        let baked = bake::bake(scene, &settings, Progress::new(&callback));
+        let baked = bake(scene, &settings, Progress::new(&callback));
         let took_s = begin.elapsed().as_secs_f64();
         let is_asked = tolerance == asked_tolerance;
         let left_s = hurry.until.map(|until| until.saturating_duration_since(Instant::now()).as_secs_f64());

@@ -31,7 +31,13 @@ pub(crate) fn summary(report: &Report, fluxes: &Fluxes, written: &Written, elaps
     line("patches", grouped(report.patches));
     let [median, low] = report.compactness;
     line("compactness", format!("{median:.2} median, {low:.2} at the 5th percentile (of a square: 0.79)"));
-    line("links", grouped(report.links));
+    // Links that were kept from a bake before take no time.
+    let each = match 1e6 * report.seconds_a_link() {
+        us if us > 0.0 => format!(", {us:.1} µs each"),
+        _ => String::new(),
+    };
+    let a_leaf = report.links_a_leaf();
+    line("links", format!("{}: {a_leaf:.1} for each patch that is not split{each}", grouped(report.links)));
     line("vertices", grouped(report.vertices));
     line("triangles", grouped(report.triangles));
     line("error", format!("{:.2} % of the mean light, between vertices (estimate)", 100.0 * report.error));

@@ -5,7 +5,8 @@
 //! - [`Overrides`] say what the file does not: which of its materials give light, and lamps;
 //! - [`choose_nodes`] says which of its nodes are baked, while the others only take part in the light;
 //! - [`write_baked_glb`] writes a baked mesh as one ordinary GLB, all or nothing;
-//! - [`read_baked`] reads a baked file back, for pictures and measurements.
+//! - [`read_baked`] reads a baked file back, for pictures and measurements;
+//! - [`write_kept`] and [`read_kept`] keep what a bake found, for another one of the same surfaces.
 //!
 //! Files come from anywhere: whatever their bytes, reading ends in a scene or in a [`FormatError`] that names the place,
 //! never in a panic, and takes memory in proportion to the input. Formats stay at this edge; nothing here computes light.
@@ -17,6 +18,7 @@ mod builder;
 mod choice;
 mod error;
 mod gltf;
+mod kept_file;
 mod mgf;
 mod obj;
 mod overrides;
@@ -33,6 +35,7 @@ pub use baked_file::{BakedCamera, BakedEmission, BakedFile, BakedFilePart, Baked
 pub use choice::choose_nodes;
 pub use error::FormatError;
 pub use gltf::{BakeFacts, Written, baked_glb_bytes, write_baked_glb};
+pub use kept_file::{KeptFileError, read_kept, write_kept};
 pub use overrides::{MaterialColour, Overrides};
 pub use read::{
     LampUnits, ReadOptions, SceneAndFiles, UpAxis, read_baked, read_baked_bytes, read_scene, read_scene_and_files,

@@ -72,7 +72,7 @@ pub(crate) fn about(loaded: &Loaded) -> Vec<Fact> {
         facts.push(fact("faces", report.faces.to_string()));
         facts.push(fact("d-segments", format!("{d0} D0, {d1} D1, {d2} D2")));
         facts.push(fact("patches", report.patches.to_string()));
-        facts.push(fact("links", report.links.to_string()));
+        facts.push(fact("links", format!("{}, {:.1} for each leaf", report.links, report.links_a_leaf())));
         facts.push(fact("error", format!("{:.2} % of the mean, estimated", 100.0 * report.error)));
         facts.push(fact("baked in", format!("{:.1} s", loaded.took.as_secs_f64())));
     } else if let Some(error) = file.extras.get("error").and_then(serde_json::Value::as_f64) {

@@ -20,17 +20,20 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use crate::discontinuity::{self, Discontinuities, Reflecting};
+use crate::discontinuity::{self, DSegment, Discontinuities, Reflecting};
 use crate::geometry::polygon;
-use crate::id::Table;
+use crate::id::{DSegmentId, PatchId, Table};
 use crate::mesh::{Mesh, MeshSettings, SplitScore};
 use crate::prepare::{self, PrepareError, PrepareReport, PrepareSettings, Prepared};
 use crate::progress::{Cancelled, Progress, Stage};
-use crate::scene::{Scene, SceneError};
-use crate::shade::{self, BakedMesh, Irradiance, ShadeMeshes, ShadeSettings};
+use crate::scene::{Rgb, Scene, SceneError};
+use crate::shade::{self, BakedMesh, Irradiance, ShadeMeshes, ShadeSettings, Terms};
 use crate::solve::{self, EnergyAccount, Solution, SolveSettings, Surfaces};
-use crate::transport::{self, BrightnessOracle, DirectLight, FormFactorOracle, Links, OracleKind};
-use crate::visibility::Visibility;
+use crate::transport::{
+    self, BrightnessOracle, DirectLight, FormFactorOracle, KnownSources, Linear, Links, OracleKind, SourceMemory,
+    SourcesSeen,
+};
+use crate::visibility::{AtPoints, Memory, Notes, Visibility};
 
 /// `Fmax` at the default tolerance.
 const FMAX: f64 = 0.04;
@@ -86,7 +89,7 @@ impl Default for BakeSettings {
 
 impl BakeSettings {
     /// d-segments weaker than this share of the mean irradiance are not looked at.
-    fn weak_share(&self) -> f64 {
+    pub(crate) fn weak_share(&self) -> f64 {
         if self.shade.tolerance.is_finite() { self.weak_of_tolerance * self.shade.tolerance } else { 0.0 }
     }
 
@@ -106,7 +109,7 @@ impl BakeSettings {
         }
     }
 
-    fn mesh(&self) -> MeshSettings {
+    pub(crate) fn mesh(&self) -> MeshSettings {
         MeshSettings { score: self.score, mend_bad_shapes: self.mend_bad_shapes }
     }
 
@@ -136,8 +139,12 @@ pub struct Report {
     pub patches: usize,
     /// How well shaped the patches that carry transport and are not split are: 4 pi A / P^2, median and 5th percentile.
     pub compactness: [f64; 2],
+    /// Of these, the ones that are not split.
+    pub leaves: usize,
     /// Links between patches.
     pub links: usize,
+    /// Wall time of deciding on links, with the splits that this takes, and of finding their form factors, in seconds.
+    pub linking_s: f64,
     /// Vertices of the baked mesh.
     pub vertices: usize,
     /// Triangles of the baked mesh.
@@ -152,6 +159,18 @@ pub struct Report {
     pub energy: EnergyAccount,
     /// Seconds of each stage, in order.
     pub seconds: Vec<(Stage, f64)>,
+}
+
+impl Report {
+    /// Links for each patch that is not split.
+    pub fn links_a_leaf(&self) -> f64 {
+        self.links as f64 / self.leaves.max(1) as f64
+    }
+
+    /// Wall time of a link, in seconds.
+    pub fn seconds_a_link(&self) -> f64 {
+        self.linking_s / self.links.max(1) as f64
+    }
 }
 
 /// A baked scene.
@@ -187,17 +206,19 @@ impl From<PrepareError> for BakeError {
 }
 
 /// Measures the stages.
-struct Clock {
+#[derive(Debug)]
+pub(crate) struct Clock {
     since: Instant,
     seconds: Vec<(Stage, f64)>,
+    linking_s: f64,
 }
 
 impl Clock {
-    fn start() -> Self {
-        Self { since: Instant::now(), seconds: Vec::new() }
+    pub(crate) fn start() -> Self {
+        Self { since: Instant::now(), seconds: Vec::new(), linking_s: 0.0 }
     }
 
-    fn end_of(&mut self, stage: Stage) {
+    pub(crate) fn end_of(&mut self, stage: Stage) {
         let seconds = self.since.elapsed().as_secs_f64();
         tracing::info!(%stage, seconds, "stage done");
         self.seconds.push((stage, seconds));
@@ -223,27 +244,138 @@ pub fn bake_and_keep(
     progress: Progress<'_>,
 ) -> Result<(Bake, Meshed), BakeError> {
     let mut clock = Clock::start();
-    let (meshed, visibility, links) = mesh_and_link(scene, settings, &mut clock, progress)?;
-    let Meshed { prepared, discontinuities, mesh } = &meshed;
+    let linked = mesh_and_link(scene, settings, &mut clock, progress)?;
+    let solved = solve(scene, settings, &linked, &Before::Nothing, progress)?;
+    let lit = show(scene, settings, &linked, solved, &Before::Nothing, clock, progress)?;
+    Ok((lit.bake, linked.meshed))
+}
 
-    let direct = DirectLight::new(scene, prepared, &visibility);
+/// What the last stages note for another bake.
+#[derive(Debug, Default)]
+pub(crate) struct BakeNotes {
+    /// The light sources that points see.
+    pub(crate) sources: Notes<SourcesSeen>,
+    /// The patches that points of the mesh that carries transport see.
+    pub(crate) bounced: Notes<Terms>,
+    /// Those that points see where indirect light is gathered to be shown.
+    pub(crate) gathered: Notes<Terms>,
+}
+
+/// What a bake knows of one before.
+#[derive(Clone, Debug)]
+pub(crate) struct Known<'a> {
+    pub(crate) sources: KnownSources<'a>,
+    pub(crate) bounced: &'a AtPoints<Terms>,
+    pub(crate) gathered: &'a AtPoints<Terms>,
+    /// d-segments of what reflected much.
+    pub(crate) secondary: Table<DSegmentId, DSegment>,
+    /// What links miss, where light is that of before times a factor for each colour: then no more need bounce.
+    pub(crate) missed: Option<Table<PatchId, Linear<Rgb>>>,
+}
+
+/// What there was before a bake.
+#[derive(Clone, Debug)]
+pub(crate) enum Before<'a> {
+    /// Nothing, and nothing is wanted after it.
+    Nothing,
+    /// Nothing; what is found is noted for another bake.
+    ToBeNoted(&'a BakeNotes),
+    /// A bake of the same faces.
+    Known(Known<'a>),
+}
+
+impl<'a> Before<'a> {
+    fn sources(&self) -> SourceMemory<'a> {
+        match self {
+            Self::Nothing => SourceMemory::None,
+            Self::ToBeNoted(notes) => SourceMemory::Noting(&notes.sources),
+            Self::Known(known) => SourceMemory::Known(known.sources.clone()),
+        }
+    }
+
+    fn gathered(&self) -> Memory<'a, Terms> {
+        match self {
+            Self::Nothing => Memory::None,
+            Self::ToBeNoted(notes) => Memory::Noting(&notes.gathered),
+            Self::Known(known) => Memory::Known(known.gathered),
+        }
+    }
+}
+
+/// What patches receive and reflect.
+#[derive(Debug)]
+pub(crate) struct Solved {
+    surfaces: Surfaces,
+    pub(crate) solution: Solution,
+}
+
+/// A bake, and what of its light another one can start from.
+#[derive(Debug)]
+pub(crate) struct Lit {
+    pub(crate) bake: Bake,
+    /// d-segments of faces that reflect much.
+    pub(crate) secondary: Table<DSegmentId, DSegment>,
+    /// What links miss.
+    pub(crate) missed: Table<PatchId, Linear<Rgb>>,
+}
+
+/// Finds what patches receive and reflect.
+pub(crate) fn solve(
+    scene: &Scene,
+    settings: &BakeSettings,
+    linked: &Linked,
+    before: &Before<'_>,
+    progress: Progress<'_>,
+) -> Result<Solved, BakeError> {
+    let Linked { meshed: Meshed { prepared, mesh, .. }, visibility, links } = linked;
+    let direct = DirectLight::new(scene, prepared, visibility).with_memory(before.sources());
     let mut surfaces = Surfaces::new(scene, prepared, mesh, &direct);
-    let solve = |surfaces: &Surfaces| solve::solve(mesh, surfaces, &links, settings.solve, progress);
-    let solution = shade::bounce(prepared, &visibility, mesh, &mut surfaces, solve, progress)?;
+    let solve = |surfaces: &Surfaces| solve::solve(mesh, surfaces, links, settings.solve, progress);
+    let solution = match before {
+        Before::Nothing => shade::bounce(prepared, visibility, mesh, &mut surfaces, solve, None, progress)?,
+        Before::ToBeNoted(notes) => {
+            shade::bounce(prepared, visibility, mesh, &mut surfaces, solve, Some(&notes.bounced), progress)?
+        }
+        Before::Known(Known { missed: Some(missed), .. }) => {
+            surfaces.missed.clone_from(missed);
+            solve(&surfaces)?
+        }
+        Before::Known(Known { missed: None, bounced, .. }) => {
+            shade::bounce_again(prepared, visibility, mesh, &mut surfaces, solve, bounced, progress)?
+        }
+    };
+    Ok(Solved { surfaces, solution })
+}
+
+/// Makes the mesh that is shown.
+pub(crate) fn show(
+    scene: &Scene,
+    settings: &BakeSettings,
+    linked: &Linked,
+    Solved { surfaces, solution }: Solved,
+    before: &Before<'_>,
+    mut clock: Clock,
+    progress: Progress<'_>,
+) -> Result<Lit, BakeError> {
+    let Linked { meshed: Meshed { prepared, discontinuities, mesh }, visibility, links } = linked;
     check(|| solution.validate().map_err(|error| error.to_string()));
-    let energy = EnergyAccount::new(prepared, &visibility, mesh, &surfaces, &direct, &solution);
+    let direct = DirectLight::new(scene, prepared, visibility).with_memory(before.sources());
+    let energy = EnergyAccount::new(prepared, visibility, mesh, &surfaces, &direct, &solution);
     clock.end_of(Stage::Solve);
 
     let refined = settings.shade.tolerance.is_finite();
-    let secondary = if settings.discontinuities && settings.secondary_sources && refined {
-        let reflecting = what_patches_reflect(mesh, &solution);
-        let least = settings.weak_share() * solution.mean_irradiance(mesh).element_sum() / 3.0;
-        discontinuity::find_secondary(scene, prepared, &visibility, &reflecting, least, progress)?
-    } else {
-        Table::new()
+    let secondary = match before {
+        Before::Known(known) => known.secondary.clone(),
+        _ if settings.discontinuities && settings.secondary_sources && refined => {
+            let reflecting = what_patches_reflect(mesh, &solution);
+            let least = settings.weak_share() * solution.mean_irradiance(mesh).element_sum() / 3.0;
+            discontinuity::find_secondary(scene, prepared, visibility, &reflecting, least, progress)?
+        }
+        _ => Table::new(),
     };
 
-    let light = Irradiance::new(prepared, &visibility, mesh, &solution.reflected, solution.mean_irradiance(mesh));
+    let light = Irradiance::new(prepared, visibility, mesh, &solution.reflected, solution.mean_irradiance(mesh))
+        .with_memory(before.gathered());
     let mut meshes = if refined {
         let with = |segments| Mesh::new(prepared, segments, settings.mesh());
         let all = discontinuities.segments.iter().chain(&secondary).copied().collect();
@@ -263,7 +395,9 @@ pub fn bake_and_keep(
         secondary: secondary.len(),
         patches: mesh.patch_count(),
         compactness: compactness_of(mesh),
+        leaves: mesh.leaves().count(),
         links: links.len(),
+        linking_s: clock.linking_s,
         vertices: shaded.mesh.vertex_count(),
         triangles: shaded.mesh.triangle_count(),
         error: shaded.error,
@@ -272,7 +406,7 @@ pub fn bake_and_keep(
         energy,
         seconds: clock.seconds,
     };
-    Ok((Bake { mesh: shaded.mesh, report }, meshed))
+    Ok(Lit { bake: Bake { mesh: shaded.mesh, report }, secondary, missed: surfaces.missed })
 }
 
 /// A d-segment in the world, for pictures.
@@ -361,16 +495,24 @@ pub struct Meshed {
 /// # Errors
 /// A [`BakeError`] where the scene is refused or the callback cancels.
 pub fn subdivided(scene: &Scene, settings: &BakeSettings, progress: Progress<'_>) -> Result<Meshed, BakeError> {
-    mesh_and_link(scene, settings, &mut Clock::start(), progress).map(|(meshed, ..)| meshed)
+    mesh_and_link(scene, settings, &mut Clock::start(), progress).map(|linked| linked.meshed)
 }
 
 /// The stages up to `transport`.
-fn mesh_and_link(
+#[derive(Debug)]
+pub(crate) struct Linked {
+    pub(crate) meshed: Meshed,
+    pub(crate) visibility: Visibility,
+    pub(crate) links: Links,
+}
+
+/// The stages up to `transport`.
+pub(crate) fn mesh_and_link(
     scene: &Scene,
     settings: &BakeSettings,
     clock: &mut Clock,
     progress: Progress<'_>,
-) -> Result<(Meshed, Visibility, Links), BakeError> {
+) -> Result<Linked, BakeError> {
     let least_share = settings.discontinuities.then(|| settings.weak_share());
     let (traced, visibility) = prepare_and_trace(scene, settings.prepare, least_share, clock, progress)?;
     let Traced { prepared, discontinuities } = traced;
@@ -380,16 +522,18 @@ fn mesh_and_link(
         OracleKind::FormFactor => None,
         OracleKind::Brightness => BrightnessOracle::new(form_factor, scene, &prepared, &visibility, &mesh),
     };
+    let begin = Instant::now();
     let links = match brightness {
         Some(oracle) => transport::link_all(&prepared, &visibility, &mut mesh, &oracle, progress)?,
         None => transport::link_all(&prepared, &visibility, &mut mesh, &form_factor, progress)?,
     };
+    clock.linking_s = begin.elapsed().as_secs_f64();
     if settings.shade.tolerance.is_finite() {
         let direct = DirectLight::new(scene, &prepared, &visibility);
         transport::split_where_uneven(scene, &prepared, &direct, &mut mesh, progress)?;
     }
     clock.end_of(Stage::Transport);
-    Ok((Meshed { prepared, discontinuities, mesh }, visibility, links))
+    Ok(Linked { meshed: Meshed { prepared, discontinuities, mesh }, visibility, links })
 }
 
 /// What every patch that is not split reflects, for the secondary sources.

@@ -3,13 +3,15 @@
 //! An id is a `u32` newtype: it cannot be mistaken for another kind's, and it is half the size of a pointer. Results of
 //! a stage are tables ([`Table`]) keyed by the ids of what they describe.
 
+use serde::{Deserialize, Serialize};
+
 /// A vector whose index is a typed id.
 pub type Table<Id, T> = typed_index_collections::TiVec<Id, T>;
 
 macro_rules! typed_id {
     ($($(#[$doc:meta])* $name:ident),* $(,)?) => {$(
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
         pub struct $name(u32);
 
         impl From<usize> for $name {

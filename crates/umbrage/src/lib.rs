@@ -32,3 +32,5 @@ pub mod solve;
 pub mod shade;
 
 pub mod bake;
+
+pub mod rebake;

@@ -1,5 +1,6 @@
 //! d-segments: where on a face the radiosity function, or one of its derivatives, jumps (paper, section 3.2).
 
+use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
 use glam::DVec3;
@@ -8,7 +9,7 @@ use crate::id::{EdgeId, EmitterId, FaceId, LampId, PlaneId, VertexId};
 use crate::prepare::Prepared;
 
 /// Which derivative of the radiosity function jumps across a d-segment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Degree {
     /// The value: a contact of two surfaces, or the shadow of a lamp without extent.
     D0,
@@ -30,7 +31,7 @@ impl Degree {
 }
 
 /// What made a d-segment. Merging goes by it, and errors are explained by it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Event {
     /// A surface ends on this edge of the face.
     Contact {
@@ -125,7 +126,7 @@ impl Event {
 }
 
 /// A segment of discontinuity on a face.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DSegment {
     /// The receiver.
     pub face: FaceId,

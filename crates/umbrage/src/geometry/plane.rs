@@ -1,11 +1,12 @@
 //! Oriented planes and the two-dimensional frames in them.
 
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 use super::polygon;
 
 /// The points `p` with `normal . p = offset_m`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plane {
     /// Unit normal, towards the front.
     pub normal: DVec3,
@@ -43,7 +44,7 @@ impl Plane {
 }
 
 /// A right-handed frame in a plane: `u x v` is the plane's normal. Coordinates are metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlaneFrame {
     /// The plane that the frame lies in.
     pub plane: Plane,

@@ -46,6 +46,8 @@ pub struct Mesh {
     split_edges: Table<VertexId, Option<EdgeId>>,
     pub(super) edges: EdgeTrees,
     pub(super) patches: Table<PatchId, Patch>,
+    /// The patches that `split` was asked for and were not split yet, in order.
+    pub(super) asked: Vec<PatchId>,
     frames: Table<FaceId, PlaneFrame>,
 }
 
@@ -87,6 +89,7 @@ impl Mesh {
             split_edges: vec![None; prepared.vertices_m.len()].into(),
             edges,
             patches: Table::with_capacity(prepared.faces.len()),
+            asked: Vec::new(),
             frames: prepared.faces.keys().map(|face| prepared.face_frame(face)).collect(),
         };
         for (id, face) in prepared.faces.iter_enumerated() {

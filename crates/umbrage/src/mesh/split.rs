@@ -25,6 +25,7 @@ impl Mesh {
         if self.patches[patch].subpatches.is_some() {
             return true;
         }
+        self.asked.push(patch);
         while !self.patches[patch].edge_hints.is_empty() {
             if self.edge_split(patch) {
                 return true;
@@ -34,6 +35,24 @@ impl Mesh {
             self.add_point_hints(patch);
         }
         if self.boundary(patch).len() > TRIANGLE { self.point_split(patch) } else { self.triangle_split(patch) }
+    }
+
+    /// The patches that `split` was asked for and were not split before, in order. Where nothing but `split` cut the mesh, they make the
+    /// same one again of the same faces and d-segments: what a split does depends on those before it alone; those that fail count, since
+    /// they may leave point hints.
+    pub fn splits_asked(&self) -> &[PatchId] {
+        &self.asked
+    }
+
+    /// Splits as another mesh of the same faces and d-segments was. False, and broken off, where it cannot have been that one's.
+    pub fn split_as(&mut self, asked: &[PatchId]) -> bool {
+        asked.iter().all(|&patch| {
+            let is_leaf = self.patches.get(patch).is_some_and(|patch| patch.subpatches.is_none());
+            if is_leaf {
+                self.split(patch);
+            }
+            is_leaf
+        })
     }
 
     /// Splits leaves until no edge hint of degree 0 is left: else shadows and light would leak (paper, section 4).

@@ -10,6 +10,7 @@
 //! - an edge lists every face on whose boundary it lies, in ascending order; it may have any number of them.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 use super::Skin;
@@ -17,7 +18,7 @@ use crate::geometry::{Plane, PlaneFrame, Tolerance};
 use crate::id::{EdgeId, FaceId, MaterialId, PlaneId, SkinId, SurfaceId, Table, VertexId};
 
 /// An edge and the direction in which a boundary passes along it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct DirectedEdge {
     /// The edge.
     pub edge: EdgeId,
@@ -45,7 +46,7 @@ pub struct Edge {
 }
 
 /// Which way a face looks along the normal of its plane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Facing {
     /// The front is where the plane's normal points.
     Along,

@@ -3,6 +3,7 @@
 //! What a lamp of intensity `I` brings to a surface that faces it is `I / d^2`. A spot's intensity falls from its inner to its
 //! outer cone, and a lamp with a range fades towards it, both by the formulas that the extension recommends.
 
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 use glam::DVec3;
@@ -14,7 +15,7 @@ use super::Rgb;
 const LEAST_CONE: f64 = 1e-12;
 
 /// A lamp.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Lamp {
     /// Name, as in the file.
     pub name: String,
@@ -23,7 +24,7 @@ pub struct Lamp {
 }
 
 /// A kind of lamp. Directions are unit vectors.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum LampKind {
     /// Shines the same in all directions.
     Point {
@@ -134,12 +135,32 @@ impl Lamp {
         }
     }
 
+    /// Whether another lamp is the same but for its brightness: it has the same shadows.
+    pub fn shines_where(&self, other: &Self) -> bool {
+        self.of_brightness(Rgb::ONE).kind == other.of_brightness(Rgb::ONE).kind
+    }
+
+    /// Its intensity, in W/sr, or the irradiance of a distant one, in W/m2.
+    pub fn brightness(&self) -> Rgb {
+        match self.kind {
+            LampKind::Point { intensity, .. } | LampKind::Spot { intensity, .. } => intensity,
+            LampKind::Directional { irradiance, .. } => irradiance,
+        }
+    }
+
+    /// The same lamp with another brightness.
+    fn of_brightness(&self, brightness: Rgb) -> Self {
+        let mut lamp = self.clone();
+        match &mut lamp.kind {
+            LampKind::Point { intensity, .. } | LampKind::Spot { intensity, .. } => *intensity = brightness,
+            LampKind::Directional { irradiance, .. } => *irradiance = brightness,
+        }
+        lamp
+    }
+
     /// Whether it gives light, at the brightness that it has.
     pub fn emits(&self) -> bool {
-        match self.kind {
-            LampKind::Point { intensity, .. } | LampKind::Spot { intensity, .. } => intensity.max_element() > 0.0,
-            LampKind::Directional { irradiance, .. } => irradiance.max_element() > 0.0,
-        }
+        self.brightness().max_element() > 0.0
     }
 
     /// What is wrong with it: a property, and what it must be.

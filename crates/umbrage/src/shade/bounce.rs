@@ -20,7 +20,7 @@ use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::Rgb;
 use crate::solve::{Solution, Surfaces};
 use crate::transport::Linear;
-use crate::visibility::{ReceiverPoint, Visibility};
+use crate::visibility::{AtPoints, Memory, Notes, ReceiverPoint, Visibility};
 
 /// Points between two reports of progress.
 const POINTS_A_REPORT: usize = 16;
@@ -36,7 +36,7 @@ const MOST_GATHERINGS: usize = 3;
 const MOST_BOUNCES: usize = 30;
 
 /// Solves for what leaves exactly receive of what they reflect. `solve` solves for what links bring them, and what these miss
-/// is added to [`Surfaces::missed`] by each bounce.
+/// is added to [`Surfaces::missed`] by each bounce. Where `notes` are given, the terms of the last gathering are in them.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.
@@ -46,28 +46,21 @@ pub fn bounce(
     mesh: &Mesh,
     surfaces: &mut Surfaces,
     solve: impl Fn(&Surfaces) -> Result<Solution, Cancelled>,
+    notes: Option<&Notes<Terms>>,
     progress: Progress<'_>,
 ) -> Result<Solution, Cancelled> {
     let mut solution = solve(surfaces)?;
     let places = Places::new(prepared);
     for _ in 0..MOST_GATHERINGS {
         let looked_at = solution.clone();
-        let light = Irradiance::new(prepared, visibility, mesh, &looked_at.reflected, looked_at.mean_irradiance(mesh));
+        let memory = notes.map_or(Memory::None, |notes| {
+            notes.clear();
+            Memory::Noting(notes)
+        });
+        let light = Irradiance::new(prepared, visibility, mesh, &looked_at.reflected, looked_at.mean_irradiance(mesh))
+            .with_memory(memory);
         let bounced_light = BouncedLight::gather(mesh, &places, &light, progress)?;
-        for _ in 0..MOST_BOUNCES {
-            let gathered = bounced_light.over_leaves(&light, &solution.reflected);
-            for (leaf, gathered) in bounced_light.leaves.iter().zip(gathered) {
-                let exactly = surfaces.direct[leaf.patch] + gathered;
-                surfaces.missed[leaf.patch] = surfaces.missed[leaf.patch] + exactly - solution.irradiance[leaf.patch];
-            }
-            let bounced = solve(surfaces)?;
-            let change = bounced.relative_change(mesh, &solution);
-            solution = bounced;
-            tracing::debug!(change, "bounced");
-            if change < UNBOUNCED {
-                break;
-            }
-        }
+        solution = bounced_light.settled(mesh, &light, surfaces, &solve, solution)?;
         let change = solution.relative_change(mesh, &looked_at);
         tracing::debug!(change, "gathered");
         if change < LIKE {
@@ -75,6 +68,28 @@ pub fn bounce(
         }
     }
     Ok(solution)
+}
+
+/// The same for a scene whose light changed, from the terms that were noted at the last gathering before. Points that are not known
+/// are gathered at.
+///
+/// # Errors
+/// [`Cancelled`] where the progress callback asks to stop.
+pub fn bounce_again(
+    prepared: &Prepared,
+    visibility: &Visibility,
+    mesh: &Mesh,
+    surfaces: &mut Surfaces,
+    solve: impl Fn(&Surfaces) -> Result<Solution, Cancelled>,
+    known: &AtPoints<Terms>,
+    progress: Progress<'_>,
+) -> Result<Solution, Cancelled> {
+    let solution = solve(surfaces)?;
+    let looked_at = solution.clone();
+    let light = Irradiance::new(prepared, visibility, mesh, &looked_at.reflected, looked_at.mean_irradiance(mesh))
+        .with_memory(Memory::Known(known));
+    let bounced_light = BouncedLight::gather(mesh, &Places::new(prepared), &light, progress)?;
+    bounced_light.settled(mesh, &light, surfaces, &solve, solution)
 }
 
 /// What every leaf receives of what all patches reflect, as sums of terms at its corners and in its middle: what is seen does not
@@ -133,6 +148,32 @@ impl BouncedLight {
         };
         let leaves = patches.par_iter().enumerate().map(leaf).collect::<Result<_, Cancelled>>()?;
         Ok(Self { leaves, at_corners })
+    }
+
+    /// Bounces until light changes no more.
+    fn settled(
+        &self,
+        mesh: &Mesh,
+        light: &Irradiance<'_>,
+        surfaces: &mut Surfaces,
+        solve: &impl Fn(&Surfaces) -> Result<Solution, Cancelled>,
+        mut solution: Solution,
+    ) -> Result<Solution, Cancelled> {
+        for _ in 0..MOST_BOUNCES {
+            let gathered = self.over_leaves(light, &solution.reflected);
+            for (leaf, gathered) in self.leaves.iter().zip(gathered) {
+                let exactly = surfaces.direct[leaf.patch] + gathered;
+                surfaces.missed[leaf.patch] = surfaces.missed[leaf.patch] + exactly - solution.irradiance[leaf.patch];
+            }
+            let bounced = solve(surfaces)?;
+            let change = bounced.relative_change(mesh, &solution);
+            solution = bounced;
+            tracing::debug!(change, "bounced");
+            if change < UNBOUNCED {
+                break;
+            }
+        }
+        Ok(solution)
     }
 
     /// Irradiance of the leaves where patches reflect `radiosity`, in W/m2.
@@ -207,7 +248,7 @@ mod tests {
         };
         let solved = |surfaces: &Surfaces| solve(&mesh, surfaces, &links, settings, Progress::silent());
         let linked = solved(&surfaces).unwrap();
-        let bounced = bounce(&prepared, &index, &mesh, &mut surfaces, solved, Progress::silent()).unwrap();
+        let bounced = bounce(&prepared, &index, &mesh, &mut surfaces, solved, None, Progress::silent()).unwrap();
         let errors = [&linked, &bounced].map(error);
         // What stays, however often light bounces, is what a few rays err about weak patches behind the box.
         assert!(errors[1] < 0.2 * errors[0] && errors[1] < 0.01, "{errors:?}");

@@ -11,6 +11,7 @@
 use std::ops::AddAssign;
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::id::{ClusterId, FaceId, Table};
 use crate::scene::Rgb;
@@ -57,7 +58,7 @@ impl AddAssign for Crowd {
 }
 
 /// What a crowd brings to a point: a factor times what it sends there.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct CrowdTerm {
     crowd: ClusterId,
     /// Cosine at the receiver over pi and the square of the distance, per square metre.
@@ -67,6 +68,12 @@ pub(super) struct CrowdTerm {
 }
 
 impl CrowdTerm {
+    /// Whether its crowd is one of so many, and its numbers can be what they say.
+    pub(super) fn fits(&self, clusters: usize) -> bool {
+        let is_unit = self.towards.iter().all(|x| x.abs() <= 1.001);
+        self.crowd.index() < clusters && self.factor_per_m2 >= 0.0 && self.factor_per_m2.is_finite() && is_unit
+    }
+
     /// What it brings where crowds are these, in W/m2.
     pub(super) fn of(&self, crowds: &Table<ClusterId, Crowd>) -> Rgb {
         let towards = DVec3::from(self.towards.map(f64::from));

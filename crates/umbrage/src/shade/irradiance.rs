@@ -18,6 +18,7 @@
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 use super::crowd::{Crowd, CrowdTerm, CrowdView, drawn};
@@ -29,7 +30,7 @@ use crate::prepare::Prepared;
 use crate::scene::Rgb;
 use crate::transport::form_factor::factor_in_view;
 use crate::transport::{DirectLight, Linear};
-use crate::visibility::{FlatSource, PlaneView, ReceiverPoint, Visibility};
+use crate::visibility::{FlatSource, Memory, PlaneView, ReceiverPoint, Visibility};
 
 /// A patch that could not bring more than this share of the mean irradiance is weak: what a few rays err about the part of
 /// it that is seen is a fraction of that, and independent from patch to patch.
@@ -61,6 +62,7 @@ pub struct Irradiance<'a> {
     sources: Table<PatchId, ReflectingPatch>,
     /// Mean irradiance of all faces, over the three colours, in W/m2.
     pub(super) mean: f64,
+    memory: Memory<'a, Terms>,
 }
 
 /// A patch as a source.
@@ -102,12 +104,22 @@ impl<'a> Irradiance<'a> {
             let root = &sources[mesh.root(face)];
             root.greatest.max(0.0) * root.area_m2
         });
-        Self { prepared, visibility, mesh, reflected, crowds, most, sources, mean: mean.element_sum() / 3.0 }
+        let (mean, memory) = (mean.element_sum() / 3.0, Memory::None);
+        Self { prepared, visibility, mesh, reflected, crowds, most, sources, mean, memory }
+    }
+
+    /// The same, which looks into `memory` for what points see of the patches, or notes it there.
+    pub fn with_memory(self, memory: Memory<'a, Terms>) -> Self {
+        Self { memory, ..self }
     }
 
     /// Irradiance by reflection, in W/m2, at a point; below zero where what is reflected falls so steeply that its linear fit
     /// does.
     pub fn indirect(&self, receiver: &ReceiverPoint) -> Rgb {
+        if !matches!(self.memory, Memory::None) {
+            let sum = |terms: &Terms| terms.sum(self.reflected.radiosity(), &self.crowds);
+            return self.memory.read(receiver, || self.find_terms(receiver), sum);
+        }
         let mut sum = Rgb::ZERO;
         let crowds = self.add_terms(receiver, &mut |term| sum += self.reflected.of(&term));
         sum + crowds.iter().map(|term| term.of(&self.crowds)).sum::<Rgb>()
@@ -115,6 +127,13 @@ impl<'a> Irradiance<'a> {
 
     /// The terms of which irradiance by reflection at a point is the sum, for other light that patches reflect about as much of.
     pub(super) fn terms(&self, receiver: &ReceiverPoint) -> Terms {
+        match self.memory {
+            Memory::None => self.find_terms(receiver),
+            _ => self.memory.read(receiver, || self.find_terms(receiver), Terms::clone),
+        }
+    }
+
+    fn find_terms(&self, receiver: &ReceiverPoint) -> Terms {
         let mut of_patches = Vec::new();
         let of_crowds = self.add_terms(receiver, &mut |term| of_patches.push(term));
         Terms { of_patches: of_patches.into_boxed_slice(), of_crowds: of_crowds.into_boxed_slice() }
@@ -243,13 +262,20 @@ impl<'a> Irradiance<'a> {
 }
 
 /// The terms of what a point receives.
-#[derive(Debug)]
-pub(super) struct Terms {
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Terms {
     of_patches: Box<[Term]>,
     of_crowds: Box<[CrowdTerm]>,
 }
 
 impl Terms {
+    /// Whether all that is named is among so many patches and clusters, in a scene of this extent: where terms come from a file, it must be
+    /// checked.
+    pub fn fits(&self, (patches, clusters): (usize, usize), extent_m: f64) -> bool {
+        self.of_patches.iter().all(|term| term.fits(patches, extent_m))
+            && self.of_crowds.iter().all(|term| term.fits(clusters))
+    }
+
     /// Their sum where patches reflect `radiosity` and crowds send what they do then, in W/m2.
     pub(super) fn sum(&self, radiosity: &Table<PatchId, Linear<Rgb>>, crowds: &Table<ClusterId, Crowd>) -> Rgb {
         self.of_patches.iter().map(|term| term.of(radiosity)).sum::<Rgb>()
@@ -407,9 +433,9 @@ mod tests {
         let plate = |i: u32| {
             let middle = 0.1 + 2.8 * (f64::from(i) * DVec3::new(0.618034, 0.754878, 0.569840)).fract();
             let upright = |corner: DVec3| fixture::f32_point(middle + (corner - middle).zyx());
-            let lying = fixture::square(middle, 0.04, i % 2 == 0);
+            let lying = fixture::square(middle, 0.04, i.is_multiple_of(2));
             let is_outside = (middle.cmplt(dark[0] - 0.1) | middle.cmpgt(dark[1] + 0.1)).any();
-            is_outside.then(|| if i % 3 == 0 { lying } else { lying.into_iter().map(upright).collect() })
+            is_outside.then(|| if i.is_multiple_of(3) { lying } else { lying.into_iter().map(upright).collect() })
         };
         let grid: Vec<[f64; 2]> = (0..25).map(|i| [i % 5, i / 5].map(|k| (f64::from(k) + 0.5) / 5.0)).collect();
         is_exactly_dark([[DVec3::ZERO, DVec3::splat(3.0)], dark], (0..200).filter_map(plate).collect(), &grid);

@@ -14,6 +14,7 @@
 //! Most patches are seen whole: of these all but the factor is known beforehand.
 
 use glam::{DMat2, DVec2};
+use serde::{Deserialize, Serialize};
 
 use super::part::{Part, Pieces};
 use crate::geometry::convex::{self, Convex, Line, Moments};
@@ -29,6 +30,9 @@ use crate::visibility::{PlaneView, Seen, Shadows};
 const TRIFLE_OF_MEAN: f64 = 1e-4;
 /// A leaf is sliced into at most two to this power.
 const MOST_HALVINGS: usize = 3;
+
+/// No factor is more than 1, but for rounding.
+const MOST_FACTOR: f32 = 1.001;
 
 /// The middle that is seen lies within this share of a part's reach from its centroid: next to the horizon the factor
 /// changes by more than an exponential tells.
@@ -67,7 +71,7 @@ impl FlatPatch {
 }
 
 /// What a patch, or a part of it, brings to a point: a factor times its linear fit at one of its points.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Term {
     patch: PatchId,
     factor: f32,
@@ -78,6 +82,12 @@ pub(super) struct Term {
 impl Term {
     pub(super) fn new(patch: PatchId, factor: f64, offset_m: DVec2) -> Self {
         Self { patch, factor: factor as f32, offset_m: offset_m.as_vec2().to_array() }
+    }
+
+    /// Whether its patch is one of so many, its factor is one, and its point lies in a scene of this extent.
+    pub(super) fn fits(&self, patches: usize, extent_m: f64) -> bool {
+        let is_inside = self.offset_m.iter().all(|&offset_m| f64::from(offset_m).abs() <= 2.0 * extent_m);
+        self.patch.index() < patches && (0.0..=MOST_FACTOR).contains(&self.factor) && is_inside
     }
 
     /// What it brings where patches reflect `radiosity`, in W/m2.
@@ -116,6 +126,11 @@ impl<'a> Reflected<'a> {
             variation[id] = Variation { linear, departure };
         }
         Self { flat, radiosity, variation, trifle: TRIFLE_OF_MEAN * mean }
+    }
+
+    /// Radiosity by reflection, in W/m2.
+    pub(super) fn radiosity(&self) -> &'a Table<PatchId, Linear<Rgb>> {
+        self.radiosity
     }
 
     /// A patch in the frame of its face.

@@ -7,7 +7,7 @@
 
 use glam::DVec2;
 
-use crate::id::{FaceId, PatchId, Table};
+use crate::id::{FaceId, LampId, PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::scene::{Rgb, Scene};
@@ -17,11 +17,13 @@ use super::fit::Linear;
 use super::form_factor::factor_of_seen;
 use super::lamps::Lamps;
 use super::sample;
+use super::seen::{KnownHere, SourceMemory, SourcesSeen};
 use rayon::prelude::*;
 
 /// An emitting face.
 #[derive(Clone, Debug)]
 struct Emitter {
+    face: FaceId,
     polygon: FlatSource,
     /// Emitted exitance, in W/m2.
     exitance: Rgb,
@@ -34,6 +36,7 @@ pub struct DirectLight<'a> {
     visibility: &'a Visibility,
     emitters: Vec<Emitter>,
     lamps: Lamps,
+    memory: SourceMemory<'a>,
 }
 
 impl<'a> DirectLight<'a> {
@@ -42,16 +45,43 @@ impl<'a> DirectLight<'a> {
         let material = |face: FaceId| &scene.materials[prepared.faces[face].material];
         let emitting = prepared.faces.keys().filter(|&face| material(face).emits());
         let emitters = emitting
-            .map(|face| Emitter { polygon: FlatSource::of_face(prepared, face), exitance: material(face).exitance() })
+            .map(|face| Emitter {
+                face,
+                polygon: FlatSource::of_face(prepared, face),
+                exitance: material(face).exitance(),
+            })
             .collect();
         let lamps = Lamps::new(scene, prepared);
-        Self { prepared, visibility, emitters, lamps }
+        Self { prepared, visibility, emitters, lamps, memory: SourceMemory::None }
+    }
+
+    /// The same, which looks into `memory` for what points see of the sources, or notes it there.
+    pub fn with_memory(self, memory: SourceMemory<'a>) -> Self {
+        Self { memory, ..self }
     }
 
     /// Irradiance at a point, in W/m2.
     pub fn at(&self, receiver: &ReceiverPoint) -> Rgb {
-        let from = |emitter: &Emitter| emitter.exitance * factor_of_seen(self.visibility, receiver, &emitter.polygon);
-        self.emitters.iter().map(from).sum::<Rgb>() + self.lamps.at(self.visibility, receiver)
+        let known = self.memory.at(receiver);
+        let mut seen = SourcesSeen::default();
+        let from = |emitter: &Emitter| {
+            let factor = known
+                .and_then(|known| known.factor(emitter.face))
+                .unwrap_or_else(|| factor_of_seen(self.visibility, receiver, &emitter.polygon));
+            if factor != 0.0 {
+                seen.emitters.push((emitter.face, factor));
+            }
+            emitter.exitance * factor
+        };
+        let of_emitters = self.emitters.iter().map(from).sum::<Rgb>();
+        let light = of_emitters + self.of_lamps(receiver, known, &mut seen.lamps);
+        self.memory.note(receiver, || seen);
+        light
+    }
+
+    /// Irradiance that lamps bring to a point, in W/m2; those that are seen are added to `seen`.
+    fn of_lamps(&self, receiver: &ReceiverPoint, known: Option<KnownHere<'_>>, seen: &mut Vec<LampId>) -> Rgb {
+        self.lamps.at(self.visibility, receiver, |lamp| known.and_then(|known| known.sees(lamp)), seen)
     }
 
     /// Irradiance of a patch, in W/m2.
@@ -91,7 +121,7 @@ impl<'a> DirectLight<'a> {
 
     /// The part of it that lamps without extent bring.
     pub fn of_lamps_over_leaves(&self, mesh: &Mesh) -> Table<PatchId, Linear<Rgb>> {
-        let at = |receiver: &ReceiverPoint| self.lamps.at(self.visibility, receiver);
+        let at = |receiver: &ReceiverPoint| self.of_lamps(receiver, self.memory.at(receiver), &mut Vec::new());
         fit_leaves(mesh, |leaf| if self.lamps.is_empty() { Linear::default() } else { self.fit(mesh, leaf, at) })
     }
 }

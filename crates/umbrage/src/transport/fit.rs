@@ -3,12 +3,13 @@
 //! A constant over a large patch is wrong in the same direction for all that lies on one side of it: near an edge of a
 //! room the sum would err by a tenth, and light would get lost. A linear function errs by the curvature only.
 
+use serde::{Deserialize, Serialize};
 use std::ops::{Add, Mul, Sub};
 
 use glam::{DMat2, DVec2};
 
 /// A linear function over a patch.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Linear<V> {
     /// At the centroid, which is the mean.
     pub mean: V,

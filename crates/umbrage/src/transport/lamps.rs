@@ -1,5 +1,6 @@
 //! Direct light of lamps: what arrives at a point, where an exact ray sees the lamp.
 
+use crate::id::{LampId, Table};
 use crate::prepare::Prepared;
 use crate::scene::{Lamp, Rgb, Scene};
 use crate::visibility::{ReceiverPoint, Visibility};
@@ -7,7 +8,7 @@ use crate::visibility::{ReceiverPoint, Visibility};
 /// The lamps of a scene, in the frame of its prepared faces.
 #[derive(Debug)]
 pub(super) struct Lamps {
-    lamps: Vec<Lamp>,
+    lamps: Table<LampId, Lamp>,
     /// A ray of this length from anywhere inside the scene leaves it, in metres.
     outside_m: f64,
 }
@@ -29,19 +30,28 @@ impl Lamps {
         self.lamps.is_empty()
     }
 
-    /// Irradiance at a point, in W/m2.
-    pub(super) fn at(&self, visibility: &Visibility, receiver: &ReceiverPoint) -> Rgb {
-        let from = |lamp: &Lamp| {
+    /// Irradiance at a point, in W/m2. `known` tells of lamps whether the point sees them, where that is known; those that it sees are
+    /// added to `seen`.
+    pub(super) fn at(
+        &self,
+        visibility: &Visibility,
+        receiver: &ReceiverPoint,
+        known: impl Fn(LampId) -> Option<bool>,
+        seen: &mut Vec<LampId>,
+    ) -> Rgb {
+        let from = |(id, lamp): (LampId, &Lamp)| {
             let Some(arriving) = lamp.arriving(receiver.position_m) else { return Rgb::ZERO };
             let cosine = receiver.normal.dot(arriving.towards);
             let to_m = lamp.position_m().unwrap_or(receiver.position_m + self.outside_m * arriving.towards);
             // Grazing light brings nothing, and whether it is seen is rounding.
-            if cosine <= 0.0 || visibility.occluded(receiver.position_m, to_m, [receiver.plane; 2]) {
+            let sees = || !visibility.occluded(receiver.position_m, to_m, [receiver.plane; 2]);
+            if cosine <= 0.0 || !known(id).unwrap_or_else(sees) {
                 return Rgb::ZERO;
             }
+            seen.push(id);
             cosine * arriving.irradiance
         };
-        self.lamps.iter().map(from).sum()
+        self.lamps.iter_enumerated().map(from).sum()
     }
 }
 
@@ -61,7 +71,7 @@ mod tests {
             let mut scene = Scene::default();
             scene.lamps.push(Lamp { name: String::new(), kind });
             let receiver = ReceiverPoint::on_face(&prepared, FaceId::from(0), p);
-            Lamps::new(&scene, &prepared).at(&visibility, &receiver).x
+            Lamps::new(&scene, &prepared).at(&visibility, &receiver, |_| None, &mut Vec::new()).x
         };
         let lamp = LampKind::Point { position_m: DVec3::Z * 2.0, intensity: Rgb::ONE, range_m: None };
         // The shadow of the plate is twice as large as it.

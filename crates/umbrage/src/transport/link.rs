@@ -6,6 +6,7 @@
 //!
 //! Holds: links are in the order of their receivers, then of their sources; no factor is zero.
 
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 use glam::Vec2;
@@ -17,7 +18,7 @@ use crate::mesh::Mesh;
 pub type Node = PatchId;
 
 /// Light travels from `source` to `receiver`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Link {
     /// The node that gathers.
     pub receiver: Node,

@@ -12,6 +12,7 @@ mod link;
 mod oracle;
 mod pairs;
 mod sample;
+mod seen;
 mod subdivide;
 mod uneven;
 
@@ -20,5 +21,6 @@ pub use direct::DirectLight;
 pub use fit::Linear;
 pub use link::{Link, LinkError, Links, Node};
 pub use oracle::{Decision, FormFactorOracle, Oracle, OracleKind, ParseOracleError};
+pub use seen::{KnownSources, SourceMemory, SourcesSeen};
 pub use subdivide::link_all;
 pub use uneven::split_where_uneven;

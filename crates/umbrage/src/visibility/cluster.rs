@@ -38,6 +38,11 @@ impl Visibility {
         (!self.is_empty()).then(|| ClusterId::from(0))
     }
 
+    /// Number of clusters.
+    pub fn cluster_count(&self) -> usize {
+        self.tree().nodes.len()
+    }
+
     /// A cluster.
     pub fn cluster(&self, id: ClusterId) -> Cluster {
         let node = &self.tree().nodes[id.index()];

@@ -9,6 +9,7 @@ mod cluster;
 #[cfg(test)]
 pub(crate) mod fixture;
 mod index;
+mod memory;
 mod ray;
 mod shadow;
 mod shaft;
@@ -18,5 +19,6 @@ mod wedge;
 pub use beam::{Beam, Between, FlatSource, ReceiverPoint, Seen, SourcePolygon};
 pub use cluster::Cluster;
 pub use index::Visibility;
+pub use memory::{AtPoints, Memory, Notes};
 pub use shadow::Shadows;
 pub use view::PlaneView;
