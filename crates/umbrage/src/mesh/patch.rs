@@ -51,11 +51,6 @@ impl Patch {
     pub fn edge_hints(&self) -> &[EdgeHint] {
         &self.edge_hints
     }
-
-    /// The edges along its side of this number.
-    pub fn side(&self, number: usize) -> &[DirectedEdge] {
-        &self.sides[number]
-    }
 }
 
 /// A boundary point of a patch.

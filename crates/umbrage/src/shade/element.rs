@@ -7,12 +7,9 @@
 //! values all run below it. A vertex that is shifted by the mean bulge of the triangles around it leaves less than half of
 //! the error, and no bias; true darkness stays dark.
 
-use glam::DVec3;
 use rayon::prelude::*;
 
-use super::field::{Field, MeshPoint, Places, Request, Values};
-use super::parabola::{Parabola, value_at};
-use crate::geometry::PlaneFrame;
+use super::field::{Field, Places, Request, Values};
 use crate::id::{PatchId, VertexId};
 use crate::mesh::{BoundaryPoint, Mesh};
 use crate::scene::Rgb;
@@ -33,9 +30,10 @@ pub(super) struct Element {
     corners: [u32; 3],
     /// How far the field departs from the mean of its ends in the middle of each side, from each corner to the next.
     bulges: [Rgb; 3],
-    /// How far the field at [`PROBE`] departs from a plane through its corners; as far as the parabola where it was not looked at.
+    /// How far the field at [`PROBE`] departs from a plane through its corners.
     inside: Rgb,
-    /// Mean square of how far the field departs elsewhere from the parabola through corners and middles, as far as it was looked at.
+    /// Mean square of how far the field departs from the parabola through corners and middles at [`MORE_PROBES`], where it was
+    /// looked at there.
     between: Rgb,
     /// Whether it ends in a corner of a contact, where the field has no one value.
     at_contact_corner: bool,
@@ -46,32 +44,13 @@ pub(super) struct Element {
 const PROBE: [f64; 3] = [0.45, 0.33, 0.22];
 /// Where else a large element is looked at.
 const MORE_PROBES: [[f64; 3]; 2] = [[0.1, 0.7, 0.2], [0.2, 0.1, 0.7]];
-/// What a parabola errs at points inside its triangle, parabolas over half of it err by this share: the error goes with the cube
-/// of the size, and each split halves one of two directions.
-const KEPT_BY_HALVES: f64 = 0.35;
-
-/// How a field is interpolated over a triangle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Interpolation {
-    /// From the values at its corners, which all leaves around share.
-    Linear,
-    /// From those and the values at the middles of its sides.
-    Quadratic,
-}
 
 impl Outlined {
-    /// The triangles that `point_split` would make of a leaf, unless it had as many points when it was looked at last. For quadratic
-    /// interpolation its corners alone are points: between those that neighbours have beside it parabolas are good enough.
-    pub(super) fn of(mesh: &Mesh, patch: PatchId, interpolation: Interpolation, known: Option<usize>) -> Option<Self> {
-        let mut boundary = mesh.boundary(patch);
-        if interpolation == Interpolation::Quadratic {
-            boundary.retain(|point| point.corner);
-        }
-        if known == Some(boundary.len()) {
-            return None;
-        }
+    /// The triangles that `point_split` would make of a leaf.
+    pub(super) fn of(mesh: &Mesh, patch: PatchId) -> Self {
+        let boundary = mesh.boundary(patch);
         let triangles = mesh.triangles_of(patch, &boundary);
-        Some(Self { patch, boundary, triangles })
+        Self { patch, boundary, triangles }
     }
 
     /// Number of boundary points: with more of them the triangles are others.
@@ -92,8 +71,7 @@ impl Outlined {
         places.middle(mesh, self.patch, [triangle[i], triangle[(i + 1) % 3]].map(|k| &self.boundary[k]))
     }
 
-    /// The elements, once the values that they need are known. Those larger than `large_m2` are looked at in more points. Where
-    /// the parabolas of the split patch around are given, their departure from these values tells what smaller ones err.
+    /// The elements, once the values that they need are known. Those larger than `large_m2` are looked at in more points.
     pub(super) fn elements(
         &self,
         mesh: &Mesh,
@@ -101,44 +79,31 @@ impl Outlined {
         values: &Values,
         field: &impl Field,
         large_m2: f64,
-        around: &[Parabola],
     ) -> Vec<Element> {
-        let frame = mesh.frame(mesh.patch(self.patch).face);
         let element = |&triangle: &[usize; 3]| {
-            let corners_m = triangle.map(|k| mesh.vertex_m(self.boundary[k].vertex));
-            let [a, b, c] = corners_m;
-            let key = |k: usize| places.vertex(mesh, self.patch, self.boundary[k].vertex).key;
-            let middle = |i: usize| self.middle(mesh, places, triangle, i).key;
-            let number = |key: &MeshPoint| values.number(key);
-            let corners = [number(&key(triangle[0]))?, number(&key(triangle[1]))?, number(&key(triangle[2]))?];
-            let middles = [number(&middle(0))?, number(&middle(1))?, number(&middle(2))?];
-            let [at, halfway] = [corners, middles].map(|numbers| numbers.map(|n| values.as_slice()[n as usize]));
-            let bulges = [0, 1, 2].map(|i| halfway[i] - 0.5 * (at[i] + at[(i + 1) % 3]));
+            let [a, b, c] = triangle.map(|k| mesh.vertex_m(self.boundary[k].vertex));
+            let number = |k: usize| values.number(&places.vertex(mesh, self.patch, self.boundary[k].vertex).key);
+            let corners = [number(triangle[0])?, number(triangle[1])?, number(triangle[2])?];
+            let at = corners.map(|corner| values.as_slice()[corner as usize]);
+            let bulge = |i: usize| {
+                let middle = values.get(&self.middle(mesh, places, triangle, i).key)?;
+                Some(middle - 0.5 * (at[i] + at[(i + 1) % 3]))
+            };
+            let bulges = [bulge(0)?, bulge(1)?, bulge(2)?];
             let departure = |[p, q, r]: [f64; 3]| {
                 let point = places.inside(mesh, self.patch, p * a + q * b + r * c);
                 field.at(mesh, &point, self.patch) - (p * at[0] + q * at[1] + r * at[2])
             };
-            let beyond = |probe: [f64; 3]| {
-                let error = departure(probe) - parabola(probe, &bulges);
+            let beyond = |[p, q, r]: [f64; 3]| {
+                let error = departure([p, q, r]) - parabola([p, q, r], &bulges);
                 error * error
             };
-            let area_m2 = 0.5 * (b - a).cross(c - a).length();
-            let errs = |(at_m, value): (DVec3, Rgb)| {
-                let error = value_at(around, frame.to_2d(at_m)).map_or(Rgb::ZERO, |around| value - around);
-                KEPT_BY_HALVES * KEPT_BY_HALVES * error * error
-            };
-            let middles_m = [0, 1, 2].map(|i| corners_m[i].midpoint(corners_m[(i + 1) % 3]));
-            let points = corners_m.into_iter().zip(at).chain(middles_m.into_iter().zip(halfway));
-            let is_large = area_m2 > large_m2;
-            let between = if around.is_empty() && is_large {
-                MORE_PROBES.map(beyond).into_iter().sum::<Rgb>() / 2.0
-            } else {
-                points.map(errs).fold(Rgb::ZERO, Rgb::max)
-            };
-            let inside = if is_large || around.is_empty() { departure(PROBE) } else { parabola(PROBE, &bulges) };
             let at_contact_corner = triangle.iter().any(|&k| places.is_contact_corner(mesh, self.boundary[k].vertex));
+            let area_m2 = 0.5 * (b - a).cross(c - a).length();
+            let between =
+                if area_m2 > large_m2 { MORE_PROBES.map(beyond).into_iter().sum::<Rgb>() / 2.0 } else { Rgb::ZERO };
             let vertices = triangle.map(|k| self.boundary[k].vertex);
-            Some(Element { area_m2, vertices, corners, bulges, inside, between, at_contact_corner })
+            Some(Element { area_m2, vertices, corners, bulges, inside: departure(PROBE), between, at_contact_corner })
         };
         self.triangles.iter().filter_map(element).collect()
     }
@@ -150,14 +115,11 @@ fn parabola([p, q, r]: [f64; 3], bulges: &[Rgb; 3]) -> Rgb {
 }
 
 impl Element {
-    /// The function that the field is taken to be over it.
-    pub(super) fn parabola(&self, mesh: &Mesh, frame: &PlaneFrame, values: &Values) -> Parabola {
+    /// The vertices at its corners, and the values there and in the middle of each side, from each corner to the next.
+    pub(super) fn parabola(&self, values: &Values) -> ([VertexId; 3], [Rgb; 3], [Rgb; 3]) {
         let at = self.corners.map(|corner| values.as_slice()[corner as usize]);
-        Parabola {
-            corners_m: self.vertices.map(|vertex| frame.to_2d(mesh.vertex_m(vertex))),
-            values: at,
-            middles: [0, 1, 2].map(|i| self.bulges[i] + 0.5 * (at[i] + at[(i + 1) % 3])),
-        }
+        let middle = |i: usize| self.bulges[i] + 0.5 * (at[i] + at[(i + 1) % 3]);
+        (self.vertices, at, [middle(0), middle(1), middle(2)])
     }
 
     /// Mean square of what linear interpolation errs between corners that show `shifts` more than the field, per colour.

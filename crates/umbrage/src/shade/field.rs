@@ -132,10 +132,10 @@ impl<'a> Places<'a> {
     /// The value in the middle between two boundary points of a patch.
     pub(super) fn middle(&self, mesh: &Mesh, patch: PatchId, ends: [&BoundaryPoint; 2]) -> Request {
         let vertices = sorted(ends.map(|end| end.vertex));
-        let runs = ends.iter().flat_map(|end| mesh.patch(patch).side(end.side));
-        let jumps = runs
-            .map(|edge| mesh.edges().root(edge.edge))
-            .any(|root| mesh.is_jump(root) || self.contact_edges.get(root.index()).copied().unwrap_or(false));
+        let jumps = ends.iter().any(|end| {
+            let root = mesh.edges().root(end.leaf.edge);
+            mesh.is_jump(root) || self.contact_edges.get(root.index()).copied().unwrap_or(false)
+        });
         let side = self.side(mesh, patch, jumps);
         let at_m = mesh.vertex_m(vertices[0]).midpoint(mesh.vertex_m(vertices[1]));
         Request { key: MeshPoint { vertices, side }, point: self.inside(mesh, patch, at_m), patch }

@@ -9,7 +9,6 @@ mod element;
 mod field;
 mod interpolated;
 mod irradiance;
-mod parabola;
 mod part;
 mod refine;
 mod reflected;

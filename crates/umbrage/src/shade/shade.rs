@@ -9,11 +9,10 @@
 
 use super::BakedMesh;
 use super::assemble::assemble;
-use super::element::Interpolation;
 use super::field::{Field, Places};
 use super::interpolated::Interpolated;
 use super::irradiance::{Direct, Indirect, Irradiance};
-use super::refine::{RefineSettings, Refined, refine};
+use super::refine::{Interpolation, RefineSettings, Refined, refine};
 use crate::id::PatchId;
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
