@@ -7,7 +7,7 @@
 //!     for each pair of patches p,q with p != q                    transport::link_all
 //!         subdivide(p,q);
 //!     split patches that direct light is uneven on                transport::split_where_uneven
-//!                                                                 solve::solve
+//!     solve, and split those that reflected light is uneven on    solve::solve, shade::bounce
 //!     calculate d-segments of what reflects much                  discontinuity::find_secondary
 //!     split patches until all point split-hints and all edge      Mesh::remove_d0_hints
 //!       split-hints caused by d-segments of order 0 are removed
@@ -27,7 +27,7 @@ use crate::mesh::{Mesh, MeshSettings, SplitScore};
 use crate::prepare::{self, PrepareError, PrepareReport, PrepareSettings, Prepared};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Rgb, Scene, SceneError};
-use crate::shade::{self, BakedMesh, Irradiance, ShadeMeshes, ShadeSettings, Terms};
+use crate::shade::{self, BakedMesh, Irradiance, Room, ShadeMeshes, ShadeSettings, Terms};
 use crate::solve::{self, EnergyAccount, Solution, SolveSettings, Surfaces};
 use crate::transport::{
     self, BrightnessOracle, DirectLight, FormFactorOracle, KnownSources, Linear, Links, OracleKind, SourceMemory,
@@ -244,8 +244,8 @@ pub fn bake_and_keep(
     progress: Progress<'_>,
 ) -> Result<(Bake, Meshed), BakeError> {
     let mut clock = Clock::start();
-    let linked = mesh_and_link(scene, settings, &mut clock, progress)?;
-    let solved = solve(scene, settings, &linked, &Before::Nothing, progress)?;
+    let mut linked = mesh_and_link(scene, settings, &mut clock, progress)?;
+    let solved = solve(scene, settings, &mut linked, &Before::Nothing, progress)?;
     let lit = show(scene, settings, &linked, solved, &Before::Nothing, clock, progress)?;
     Ok((lit.bake, linked.meshed))
 }
@@ -293,6 +293,14 @@ impl<'a> Before<'a> {
         }
     }
 
+    fn bounced(&self) -> Memory<'a, Terms> {
+        match self {
+            Self::Nothing => Memory::None,
+            Self::ToBeNoted(notes) => Memory::Noting(&notes.bounced),
+            Self::Known(known) => Memory::Known(known.bounced),
+        }
+    }
+
     fn gathered(&self) -> Memory<'a, Terms> {
         match self {
             Self::Nothing => Memory::None,
@@ -319,29 +327,26 @@ pub(crate) struct Lit {
     pub(crate) missed: Table<PatchId, Linear<Rgb>>,
 }
 
-/// Finds what patches receive and reflect.
+/// Finds what patches receive and reflect, and splits those over which it is uneven.
 pub(crate) fn solve(
     scene: &Scene,
     settings: &BakeSettings,
-    linked: &Linked,
+    linked: &mut Linked,
     before: &Before<'_>,
     progress: Progress<'_>,
 ) -> Result<Solved, BakeError> {
     let Linked { meshed: Meshed { prepared, mesh, .. }, visibility, links } = linked;
+    let (prepared, visibility, links) = (&*prepared, &*visibility, &*links);
     let direct = DirectLight::new(scene, prepared, visibility).with_memory(before.sources());
     let mut surfaces = Surfaces::new(scene, prepared, mesh, &direct);
-    let solve = |surfaces: &Surfaces| solve::solve(mesh, surfaces, links, settings.solve, progress);
     let solution = match before {
-        Before::Nothing => shade::bounce(prepared, visibility, mesh, &mut surfaces, solve, None, progress)?,
-        Before::ToBeNoted(notes) => {
-            shade::bounce(prepared, visibility, mesh, &mut surfaces, solve, Some(&notes.bounced), progress)?
-        }
         Before::Known(Known { missed: Some(missed), .. }) => {
             surfaces.missed.clone_from(missed);
-            solve(&surfaces)?
+            solve::solve(mesh, &surfaces, links, settings.solve, progress)?
         }
-        Before::Known(Known { missed: None, bounced, .. }) => {
-            shade::bounce_again(prepared, visibility, mesh, &mut surfaces, solve, bounced, progress)?
+        _ => {
+            let room = Room { scene, prepared, visibility, direct: &direct, links, solve: settings.solve };
+            shade::bounce(room, mesh, &mut surfaces, before.bounced(), settings.shade.tolerance, progress)?
         }
     };
     Ok(Solved { surfaces, solution })

@@ -151,10 +151,10 @@ pub fn bake_to_reuse(
     progress: Progress<'_>,
 ) -> Result<(Bake, Kept), BakeError> {
     let mut clock = Clock::start();
-    let linked = mesh_and_link(scene, settings, &mut clock, progress)?;
+    let mut linked = mesh_and_link(scene, settings, &mut clock, progress)?;
     let notes = BakeNotes::default();
     let before = Before::ToBeNoted(&notes);
-    let solved = solve(scene, settings, &linked, &before, progress)?;
+    let solved = solve(scene, settings, &mut linked, &before, progress)?;
     let Lit { bake, secondary, missed } = show(scene, settings, &linked, solved, &before, clock, progress)?;
     let Linked { meshed: Meshed { prepared, discontinuities, mesh }, links, .. } = linked;
     let kept = Kept {
@@ -229,9 +229,9 @@ pub fn rebake(
         secondary: kept.secondary.clone().into(),
         missed,
     };
-    let linked = Linked { meshed: Meshed { prepared, discontinuities, mesh }, visibility, links };
+    let mut linked = Linked { meshed: Meshed { prepared, discontinuities, mesh }, visibility, links };
     let before = Before::Known(known);
-    let solved = solve(scene, settings, &linked, &before, progress)?;
+    let solved = solve(scene, settings, &mut linked, &before, progress)?;
     if solved.solution.validate().is_err() {
         return Err(NotReusable::Damaged.into());
     }

@@ -37,13 +37,22 @@ use crate::visibility::{FlatSource, Memory, PlaneView, ReceiverPoint, Visibility
 const WEAK_OF_MEAN: f64 = 2e-2;
 /// Below this share of what is weak a patch is faint: one ray tells whether it is seen.
 const FAINT_OF_WEAK: f64 = 0.25;
+/// The multiples of these, less whole numbers, are points spread evenly over a square (Roberts, *The unreasonable effectiveness of
+/// quasirandom sequences*, 2018).
+const LOTS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
 /// Rays to a weak patch above that.
 const RAYS: usize = 4;
 /// A patch with subpatches is looked at as a whole past at most so many faces: the time that shadows take grows with the square
 /// of their number.
 const MOST_BETWEEN: usize = 12;
+/// What is seen of a weak patch past no more than so many faces is found exactly, as fast as by rays: in narrow gaps these miss much.
+const FEW_BETWEEN: usize = 6;
 /// A faint patch farther away than so many of its radii is a point: what that errs of its factor is about a hundredth.
 const FAR_RADII: f64 = 8.0;
+
+/// What was found at a point is looked for again where a patch that it sees is split since, and light on that departs by more than so
+/// many trifles from what the patch stood for: those of many patches cancel.
+const STALE_TRIFLES: f64 = 20.0;
 
 /// Faces that together could not bring more than this share of the mean irradiance are a crowd, where they are far away.
 const CROWD_OF_MEAN: f64 = 2e-3;
@@ -70,6 +79,8 @@ pub struct Irradiance<'a> {
 struct ReflectingPatch {
     source: FlatSource,
     middle_m: DVec2,
+    /// A point of it, drawn by lot.
+    lot_m: DVec2,
     radius_m: f64,
     area_m2: f64,
     /// The most that it reflects anywhere, in W/m2.
@@ -93,6 +104,7 @@ impl<'a> Irradiance<'a> {
             let plane = prepared.faces[patch.face].plane;
             ReflectingPatch {
                 middle_m: *centroid_m,
+                lot_m: drawn_point(corners_m, id.index()),
                 radius_m: corners_m.iter().map(|corner_m| corner_m.distance(*centroid_m)).fold(0.0, f64::max),
                 area_m2: patch.area_m2,
                 greatest: reflected.greatest(id),
@@ -117,8 +129,7 @@ impl<'a> Irradiance<'a> {
     /// does.
     pub fn indirect(&self, receiver: &ReceiverPoint) -> Rgb {
         if !matches!(self.memory, Memory::None) {
-            let sum = |terms: &Terms| terms.sum(self.reflected.radiosity(), &self.crowds);
-            return self.memory.read(receiver, || self.find_terms(receiver), sum);
+            return self.memory.read(receiver, || self.find_terms(receiver), |terms| self.sum_of(terms));
         }
         let mut sum = Rgb::ZERO;
         let crowds = self.add_terms(receiver, &mut |term| sum += self.reflected.of(&term));
@@ -131,6 +142,29 @@ impl<'a> Irradiance<'a> {
             Memory::None => self.find_terms(receiver),
             _ => self.memory.read(receiver, || self.find_terms(receiver), Terms::clone),
         }
+    }
+
+    /// Irradiance by reflection where these are the terms, in W/m2.
+    pub(super) fn sum_of(&self, terms: &Terms) -> Rgb {
+        terms.sum(self.reflected.radiosity(), &self.crowds)
+    }
+
+    /// Whether terms that were found before patches were split are as good now: what is split is linear, or little of what is seen.
+    pub(super) fn is_as_good(&self, terms: &Terms) -> bool {
+        terms.of_patches.chunk_by(|term, next| term.patch == next.patch).all(|of_patch| {
+            let factor: f64 = of_patch.iter().map(|term| f64::from(term.factor)).sum();
+            !self.reflected.departs(of_patch[0].patch, factor, STALE_TRIFLES)
+        })
+    }
+
+    /// The share of its view in which a point sees patches that are nearer than so many of their radii, or of `radius_m`.
+    pub(super) fn share_of_near(&self, point: &ReceiverPoint, terms: &Terms, radii: f64, radius_m: f64) -> f64 {
+        let is_near = |term: &&Term| {
+            let ReflectingPatch { source, middle_m, radius_m: of_patch_m, .. } = &self.sources[term.patch];
+            let at_m = source.frame.to_3d(*middle_m + term.offset_m());
+            at_m.distance(point.position_m) <= radii * radius_m.max(*of_patch_m)
+        };
+        terms.of_patches.iter().filter(is_near).map(|term| f64::from(term.factor)).sum()
     }
 
     fn find_terms(&self, receiver: &ReceiverPoint) -> Terms {
@@ -205,11 +239,20 @@ impl<'a> Irradiance<'a> {
             if subpatches.is_none() || self.reflected.is_linear(patch, factor) {
                 // A ray to what lies below the horizon would leave through the receiver's own plane.
                 let is_faint = most_of_mean < FAINT_OF_WEAK * WEAK_OF_MEAN;
-                return if is_faint && view.over_horizon_m(reflecting.middle_m) > 0.0 {
-                    self.add_ray(sight, patch, factor, terms);
-                } else {
-                    self.add_rays(sight, patch, factor, terms);
-                };
+                if is_faint && view.over_horizon_m(reflecting.lot_m) > 0.0 {
+                    return self.add_ray(sight, patch, factor, terms);
+                }
+                let Some(beam) = self.visibility.beam(receiver, *view, &reflecting.source) else { return };
+                let between = self.visibility.between(&beam, *among);
+                if between.len() > FEW_BETWEEN {
+                    let sight = Sight { among: Some(&between), ..*sight };
+                    return self.add_rays(&sight, patch, factor, terms);
+                }
+                let seen = self.visibility.seen_in(beam, Some(&between));
+                if !seen.is_nothing() {
+                    self.reflected.add_terms(view, patch, seen, terms);
+                }
+                return;
             }
             return subpatches.into_iter().flatten().for_each(|part| self.add_patch(sight, part, terms));
         }
@@ -227,8 +270,8 @@ impl<'a> Irradiance<'a> {
 
     /// Adds a patch of this factor where a ray sees its middle.
     fn add_ray(&self, sight: &Sight<'_>, patch: PatchId, factor: f64, terms: &mut impl FnMut(Term)) {
-        let ReflectingPatch { source, middle_m, .. } = &self.sources[patch];
-        if self.sees(sight, source, *middle_m) {
+        let ReflectingPatch { source, lot_m, .. } = &self.sources[patch];
+        if self.sees(sight, source, *lot_m) {
             terms(self.reflected.term_of_whole(&sight.view, patch, factor));
         }
     }
@@ -259,6 +302,20 @@ impl<'a> Irradiance<'a> {
         let (from_m, to_m) = (sight.receiver.position_m, source.frame.to_3d(at_m));
         !self.visibility.occluded_among(sight.among, from_m, to_m, [sight.receiver.plane, source.plane])
     }
+}
+
+/// A point of a convex polygon, drawn by lot, evenly by area: the same for the same number.
+fn drawn_point(corners_m: &[DVec2], number: usize) -> DVec2 {
+    let [s, t] = LOTS.map(|step| ((number as f64 + 0.5) * step).fract());
+    let doubled_m2 = |i: usize| (corners_m[i] - corners_m[0]).perp_dot(corners_m[i + 1] - corners_m[0]).abs();
+    let mut left = s * (1..corners_m.len() - 1).map(doubled_m2).sum::<f64>();
+    let mut i = 1;
+    while i + 2 < corners_m.len() && left > doubled_m2(i) {
+        left -= doubled_m2(i);
+        i += 1;
+    }
+    let share = if doubled_m2(i) > 0.0 { (left / doubled_m2(i)).clamp(0.0, 1.0) } else { 0.5 };
+    corners_m[0].lerp(corners_m[i].lerp(corners_m[i + 1], t), share.sqrt())
 }
 
 /// The terms of what a point receives.

@@ -3,6 +3,7 @@
 mod assemble;
 mod baked_mesh;
 mod bounce;
+mod bounced;
 mod corner_group;
 mod crowd;
 mod element;
@@ -17,6 +18,6 @@ mod shade;
 mod smooth;
 
 pub use baked_mesh::{BakedMesh, BakedMeshError, BakedPart};
-pub use bounce::{bounce, bounce_again};
+pub use bounce::{Room, bounce};
 pub use irradiance::{Irradiance, Terms};
 pub use shade::{ShadeMeshes, ShadeSettings, Shaded, shade};

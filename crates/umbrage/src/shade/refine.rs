@@ -149,7 +149,7 @@ pub(super) fn refine(
 }
 
 /// The leaves that make up a share of the squared error, and no more than are needed for the target.
-fn worst(mut errors: Vec<(PatchId, f64)>, total: f64, target: f64, room: usize) -> Vec<PatchId> {
+pub(super) fn worst(mut errors: Vec<(PatchId, f64)>, total: f64, target: f64, room: usize) -> Vec<PatchId> {
     errors.sort_by(|(p, first), (q, second)| second.total_cmp(first).then(p.cmp(q)));
     let enough = (SHARE_A_ROUND * total).min(total - 0.5 * target);
     let least = (LEAST_SHARE_OF_LEAVES * errors.len() as f64) as usize;

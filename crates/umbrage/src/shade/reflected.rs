@@ -73,8 +73,8 @@ impl FlatPatch {
 /// What a patch, or a part of it, brings to a point: a factor times its linear fit at one of its points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Term {
-    patch: PatchId,
-    factor: f32,
+    pub(super) patch: PatchId,
+    pub(super) factor: f32,
     /// From the centroid of the patch, in metres.
     offset_m: [f32; 2],
 }
@@ -92,8 +92,12 @@ impl Term {
 
     /// What it brings where patches reflect `radiosity`, in W/m2.
     pub(super) fn of(&self, radiosity: &Table<PatchId, Linear<Rgb>>) -> Rgb {
-        let [s, t] = self.offset_m.map(f64::from);
-        f64::from(self.factor) * radiosity[self.patch].at(DVec2::new(s, t))
+        f64::from(self.factor) * radiosity[self.patch].at(self.offset_m())
+    }
+
+    /// Where on the patch it is taken, from its centroid, in metres.
+    pub(super) fn offset_m(&self) -> DVec2 {
+        self.offset_m.map(f64::from).into()
     }
 }
 
@@ -152,6 +156,11 @@ impl<'a> Reflected<'a> {
     /// Whether the linear fit of a patch tells what all of it reflects well enough for a point with this factor to it.
     pub(super) fn is_linear(&self, patch: PatchId, factor: f64) -> bool {
         factor * self.variation[patch].departure <= self.trifle
+    }
+
+    /// Whether the light of a patch departs from its linear fit by more than so many trifles for a point with this factor to it.
+    pub(super) fn departs(&self, patch: PatchId, factor: f64, trifles: f64) -> bool {
+        factor * factor.sqrt() * self.variation[patch].departure > trifles * self.trifle
     }
 
     /// What a term brings, in W/m2.

@@ -118,7 +118,7 @@ pub fn solve(
 }
 
 /// The linear function with given moments.
-fn linear(surfaces: &Surfaces, patch: PatchId, moments: &RadiosityMoments) -> Linear<Rgb> {
+pub(super) fn linear(surfaces: &Surfaces, patch: PatchId, moments: &RadiosityMoments) -> Linear<Rgb> {
     let inverse = surfaces.second_moment_m2[patch].inverse();
     if !inverse.is_finite() {
         return Linear { mean: moments.mean, gradient: [Rgb::ZERO; 2] };

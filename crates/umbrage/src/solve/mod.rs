@@ -6,12 +6,14 @@
 //! gathers over all links ([`gather`]), then pushes irradiance down to the leaves and pulls radiosity up ([`push_pull`]).
 
 mod energy;
+mod exactly;
 mod gather;
 mod iterate;
 mod push_pull;
 mod surfaces;
 
 pub use energy::EnergyAccount;
+pub use exactly::{missed, reflect};
 pub use gather::{RadiosityMoments, gather};
 pub use iterate::{Solution, SolutionError, SolveSettings, solve};
 pub use push_pull::push_pull;

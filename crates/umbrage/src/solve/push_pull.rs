@@ -30,22 +30,33 @@ pub fn push_pull(
     surfaces: &Surfaces,
     gathered: Table<PatchId, Linear<Rgb>>,
 ) -> (Table<PatchId, Linear<Rgb>>, Table<PatchId, RadiosityMoments>) {
-    let offset_m = |part: PatchId, whole: PatchId| -> DVec2 {
-        let frame = mesh.frame(mesh.patch(part).face);
-        frame.to_2d(mesh.patch(part).centroid_m) - frame.to_2d(mesh.patch(whole).centroid_m)
-    };
+    pull(mesh, surfaces, push(mesh, surfaces, gathered))
+}
+
+/// Irradiance of the leaves: their own and what their ancestors gathered. A linear function may be below zero.
+pub(super) fn push(
+    mesh: &Mesh,
+    surfaces: &Surfaces,
+    gathered: Table<PatchId, Linear<Rgb>>,
+) -> Table<PatchId, Linear<Rgb>> {
     let mut irradiance = gathered;
     for (id, patch) in mesh.patches() {
-        let (above, direct) = match patch.parent {
-            Some(parent) => (
-                Linear { mean: irradiance[parent].at(offset_m(id, parent)), gradient: irradiance[parent].gradient },
-                surfaces.direct[id],
-            ),
-            None => (Linear::default(), surfaces.direct[id]),
-        };
+        let above = patch.parent.map_or(Linear::default(), |parent| {
+            let Linear { gradient, .. } = irradiance[parent];
+            Linear { mean: irradiance[parent].at(offset_m(mesh, id, parent)), gradient }
+        });
         let node = &mut irradiance[id];
-        *node = *node + above + direct + surfaces.missed[id];
+        *node = *node + above + surfaces.direct[id] + surfaces.missed[id];
     }
+    irradiance
+}
+
+/// What every node reflects of what leaves receive, and the mean of what nodes that are split receive.
+pub(super) fn pull(
+    mesh: &Mesh,
+    surfaces: &Surfaces,
+    mut irradiance: Table<PatchId, Linear<Rgb>>,
+) -> (Table<PatchId, Linear<Rgb>>, Table<PatchId, RadiosityMoments>) {
     let mut reflected: Table<PatchId, RadiosityMoments> =
         Table::from(vec![RadiosityMoments::default(); mesh.patch_count()]);
     for index in (0..mesh.patch_count()).rev() {
@@ -63,13 +74,19 @@ pub fn push_pull(
             node.mean += share * reflected[part].mean;
         }
         for (part, share) in parts.into_iter().zip(shares) {
-            let (below, offset_m) = (reflected[part], offset_m(part, id));
+            let (below, offset_m) = (reflected[part], offset_m(mesh, part, id));
             node.first[0] += share * (below.first[0] + offset_m.x * (below.mean - node.mean));
             node.first[1] += share * (below.first[1] + offset_m.y * (below.mean - node.mean));
         }
         (irradiance[id].mean, reflected[id]) = (mean_irradiance, node);
     }
     (irradiance, reflected)
+}
+
+/// From the centroid of a whole to that of its part, in the frame of their face.
+fn offset_m(mesh: &Mesh, part: PatchId, whole: PatchId) -> DVec2 {
+    let frame = mesh.frame(mesh.patch(part).face);
+    frame.to_2d(mesh.patch(part).centroid_m) - frame.to_2d(mesh.patch(whole).centroid_m)
 }
 
 /// What a leaf reflects of a linear irradiance.

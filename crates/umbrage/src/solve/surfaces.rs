@@ -4,7 +4,7 @@ use glam::DMat2;
 
 use crate::geometry::polygon;
 use crate::id::{PatchId, Table};
-use crate::mesh::{Mesh, Patch};
+use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::scene::{Rgb, Scene};
 use crate::transport::{DirectLight, Linear};
@@ -29,14 +29,29 @@ pub struct Surfaces {
 impl Surfaces {
     /// Takes each patch's material from its face, and evaluates the direct light of the leaves.
     pub fn new(scene: &Scene, prepared: &Prepared, mesh: &Mesh, direct: &DirectLight<'_>) -> Self {
-        let material = |patch: &Patch| &scene.materials[prepared.faces[patch.face].material];
-        let second_moment = |id: PatchId| polygon::second_moment_m2(&mesh.polygon_2d_m(id));
-        Self {
-            exitance: mesh.patches().map(|(_, patch)| material(patch).exitance()).collect(),
-            reflectance: mesh.patches().map(|(_, patch)| material(patch).reflectance).collect(),
-            direct: direct.over_leaves(mesh),
-            missed: Table::from(vec![Linear::default(); mesh.patch_count()]),
-            second_moment_m2: mesh.patches().map(|(id, _)| second_moment(id)).collect(),
+        let (exitance, reflectance, missed, second_moment_m2) = Default::default();
+        let mut surfaces = Self { exitance, reflectance, direct: Table::new(), missed, second_moment_m2 };
+        surfaces.extend(scene, prepared, mesh, direct);
+        surfaces
+    }
+
+    /// Does the same for patches that came since; of those that were split, what links miss stays with them, and is handed down.
+    pub fn extend(&mut self, scene: &Scene, prepared: &Prepared, mesh: &Mesh, direct: &DirectLight<'_>) {
+        let known = self.exitance.len();
+        let fresh = (known..mesh.patch_count()).map(PatchId::from);
+        for id in fresh.clone() {
+            let material = &scene.materials[prepared.faces[mesh.patch(id).face].material];
+            self.exitance.push(material.exitance());
+            self.reflectance.push(material.reflectance);
+            self.missed.push(Linear::default());
+            self.second_moment_m2.push(polygon::second_moment_m2(&mesh.polygon_2d_m(id)));
         }
+        for id in (0..known).map(PatchId::from) {
+            if mesh.patch(id).subpatches.is_some() {
+                self.direct[id] = Linear::default();
+            }
+        }
+        let fresh: Vec<PatchId> = fresh.collect();
+        self.direct.extend(direct.over_leaves_of(mesh, &fresh));
     }
 }

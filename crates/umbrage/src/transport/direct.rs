@@ -114,23 +114,22 @@ impl<'a> DirectLight<'a> {
         sample::points(&mesh.polygon_m(patch)).into_iter().map(sample).collect()
     }
 
-    /// Irradiance of all leaves, in W/m2; zero for patches that are split.
-    pub fn over_leaves(&self, mesh: &Mesh) -> Table<PatchId, Linear<Rgb>> {
-        fit_leaves(mesh, |leaf| self.over(mesh, leaf))
+    /// Irradiance of those patches that are leaves, in W/m2; zero for those that are split.
+    pub fn over_leaves_of(&self, mesh: &Mesh, patches: &[PatchId]) -> Vec<Linear<Rgb>> {
+        fit_leaves(mesh, patches, |leaf| self.over(mesh, leaf))
     }
 
     /// The part of it that lamps without extent bring.
     pub fn of_lamps_over_leaves(&self, mesh: &Mesh) -> Table<PatchId, Linear<Rgb>> {
         let at = |receiver: &ReceiverPoint| self.of_lamps(receiver, self.memory.at(receiver), &mut Vec::new());
-        fit_leaves(mesh, |leaf| if self.lamps.is_empty() { Linear::default() } else { self.fit(mesh, leaf, at) })
+        let patches: Vec<PatchId> = mesh.patches().map(|(patch, _)| patch).collect();
+        let over = |leaf| if self.lamps.is_empty() { Linear::default() } else { self.fit(mesh, leaf, at) };
+        fit_leaves(mesh, &patches, over).into()
     }
 }
 
-/// A function of all leaves, in parallel; zero for patches that are split.
-fn fit_leaves(mesh: &Mesh, of: impl Fn(PatchId) -> Linear<Rgb> + Sync) -> Table<PatchId, Linear<Rgb>> {
-    let of = |number: usize| {
-        let patch = PatchId::from(number);
-        if mesh.patch(patch).subpatches.is_some() { Linear::default() } else { of(patch) }
-    };
-    Table::from((0..mesh.patch_count()).into_par_iter().map(of).collect::<Vec<_>>())
+/// A function of leaves, in parallel; zero for patches that are split.
+fn fit_leaves(mesh: &Mesh, patches: &[PatchId], of: impl Fn(PatchId) -> Linear<Rgb> + Sync) -> Vec<Linear<Rgb>> {
+    let of = |&patch: &PatchId| if mesh.patch(patch).subpatches.is_some() { Linear::default() } else { of(patch) };
+    patches.par_iter().map(of).collect()
 }

@@ -62,17 +62,11 @@ impl<T> Default for Notes<T> {
 }
 
 impl<T> Notes<T> {
-    fn note(&self, point: &ReceiverPoint, found: T) {
+    /// Notes what was found at a point.
+    pub fn note(&self, point: &ReceiverPoint, found: T) {
         let key = PointKey::of(point);
         // What a thread noted before it broke off is whole all the same.
         self.parts[key.part()].lock().unwrap_or_else(PoisonError::into_inner).insert(key, found);
-    }
-
-    /// Forgets everything.
-    pub fn clear(&self) {
-        for part in &self.parts {
-            part.lock().unwrap_or_else(PoisonError::into_inner).clear();
-        }
     }
 
     /// What was noted.

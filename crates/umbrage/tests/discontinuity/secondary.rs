@@ -4,11 +4,12 @@
 use glam::{DVec2, DVec3, Vec3Swizzles as _};
 use umbrage::bake::{BakeSettings, Meshed, bake, subdivided};
 use umbrage::discontinuity::{DSegment, Degree, Event, Reflecting, find_secondary};
+use umbrage::id::PatchId;
 use umbrage::prepare::Prepared;
 use umbrage::progress::Progress;
 use umbrage::scene::{Lamp, LampKind, Material, Rgb, Scene};
 use umbrage::shade::ShadeSettings;
-use umbrage::transport::DirectLight;
+use umbrage::transport::{DirectLight, Linear};
 use umbrage::visibility::Visibility;
 
 use super::build::{add, quad};
@@ -29,14 +30,16 @@ fn settings() -> BakeSettings {
 fn cast(scene: &Scene) -> (Prepared, Vec<DSegment>) {
     let Meshed { prepared, mesh, .. } = subdivided(scene, &settings(), Progress::silent()).unwrap();
     let visibility = Visibility::new(&prepared);
-    let light = DirectLight::new(scene, &prepared, &visibility).over_leaves(&mesh);
-    let reflecting = |leaf| {
+    let leaves: Vec<PatchId> = mesh.leaves().collect();
+    let light = DirectLight::new(scene, &prepared, &visibility).over_leaves_of(&mesh, &leaves);
+
+    let reflecting = |(&leaf, light): (&PatchId, &Linear<Rgb>)| {
         let face = mesh.patch(leaf).face;
         let reflectance = scene.materials[prepared.faces[face].material].reflectance;
         let boundary = mesh.boundary(leaf).iter().map(|at| (at.vertex, mesh.vertex_m(at.vertex))).collect();
-        Reflecting { face, boundary, reflected: reflectance * light[leaf].mean.max(Rgb::ZERO) }
+        Reflecting { face, boundary, reflected: reflectance * light.mean.max(Rgb::ZERO) }
     };
-    let patches: Vec<Reflecting> = mesh.leaves().map(reflecting).collect();
+    let patches: Vec<Reflecting> = leaves.iter().zip(&light).map(reflecting).collect();
     let found = find_secondary(scene, &prepared, &visibility, &patches, 0.0, Progress::silent()).unwrap();
     (prepared, found.raw)
 }

@@ -1,0 +1,292 @@
+//! What every leaf receives of what all patches reflect, as sums of terms at its corners and in its middle: what is seen does not
+//! change with the light.
+//!
+//! What a leaf reflects is a linear function over it. Where the light that it gathers is none, as in a narrow gap that is bright at its
+//! mouth and dark inside, what lies opposite receives a wrong share; what lies far away does not, since the mean is right. So leaves
+//! are split by what they err times the share of their view that near surfaces fill.
+//!
+//! After: over all leaves, what gathered light departs from linear functions, as its effect nearby, is within a share of the
+//! tolerance.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+use rayon::prelude::*;
+use smallvec::SmallVec;
+
+use super::field::{MeshPoint, Places};
+use super::irradiance::{Irradiance, Terms};
+use super::refine::worst;
+use crate::id::{PatchId, Table};
+use crate::mesh::Mesh;
+use crate::progress::{Cancelled, Progress, Stage};
+use crate::scene::Rgb;
+use crate::transport::Linear;
+use crate::visibility::{Notes, ReceiverPoint};
+
+/// Points between two reports of progress.
+const POINTS_A_REPORT: usize = 16;
+/// What leaves reflect unevenly may make this share of the tolerance, root mean square.
+const UNEVEN_OF_TOLERANCE: f64 = 0.5;
+/// Rounds of splits: a leaf may get as small as by so many halvings.
+const MOST_ROUNDS: usize = 24;
+/// Leaves smaller than this share of all area are not split.
+const LEAST_OF_ALL: f64 = 1e-7;
+/// A patch is near a leaf within so many of the greater one's radii.
+const NEAR_RADII: f64 = 2.0;
+
+/// How even what leaves gather must be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Evenness<'a> {
+    /// Of all patches that there were before leaves are split.
+    pub(super) reflectance: &'a Table<PatchId, Rgb>,
+    /// The tolerance of the whole, as a share of the mean irradiance.
+    pub(super) tolerance: f64,
+}
+
+/// A point of a leaf.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Spot {
+    Corner(MeshPoint),
+    Middle(PatchId),
+}
+
+/// What leaves receive.
+#[derive(Debug, Default)]
+pub(super) struct BouncedLight {
+    leaves: BTreeMap<PatchId, BouncedLeaf>,
+    numbers: BTreeMap<Spot, u32>,
+    points: Vec<(ReceiverPoint, Terms)>,
+}
+
+/// A leaf, by the numbers of its points.
+#[derive(Clone, Debug)]
+struct BouncedLeaf {
+    /// Offsets of the corners from the centroid, in metres, and their numbers.
+    corners: SmallVec<[(DVec2, u32); 4]>,
+    in_middle: u32,
+    /// Integral of the square of what it errs nearby, in W2/m2.
+    uneven: f64,
+}
+
+impl BouncedLight {
+    /// Gathers at all leaves of `mesh`, and splits those over which the light is uneven. What was gathered `before` is taken where
+    /// it is as good now.
+    ///
+    /// # Errors
+    /// [`Cancelled`] where the progress callback asks to stop.
+    pub(super) fn gather(
+        before: Self,
+        mesh: &mut Mesh,
+        places: &Places<'_>,
+        light: &Irradiance<'_>,
+        evenness: Evenness<'_>,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let mut bounced = Self::default();
+        let area_m2: f64 = mesh.leaves().map(|leaf| mesh.patch(leaf).area_m2).sum();
+        let target = (UNEVEN_OF_TOLERANCE * evenness.tolerance * light.mean).powi(2) * area_m2;
+        for round in 0..=MOST_ROUNDS {
+            bounced.look_at_leaves(&before, mesh, places, light, evenness, progress)?;
+            let leaves: Vec<PatchId> = mesh.leaves().collect();
+            let uneven: Vec<(PatchId, f64)> = leaves.iter().map(|leaf| (*leaf, bounced.leaves[leaf].uneven)).collect();
+            let total: f64 = uneven.iter().map(|(_, uneven)| uneven).sum();
+            tracing::debug!(leaves = leaves.len(), uneven = (total / area_m2).sqrt() / light.mean, "leaves");
+            if round == MOST_ROUNDS || !target.is_finite() || total <= target {
+                break;
+            }
+            let mut marked = worst(uneven, total, target, usize::MAX);
+            marked.retain(|&leaf| mesh.patch(leaf).area_m2 > LEAST_OF_ALL * area_m2);
+            marked.sort_unstable();
+            if marked.into_iter().filter(|&leaf| mesh.split(leaf)).count() == 0 {
+                break;
+            }
+        }
+        Ok(bounced)
+    }
+
+    /// Gathers at the leaves that were not looked at yet.
+    fn look_at_leaves(
+        &mut self,
+        before: &Self,
+        mesh: &Mesh,
+        places: &Places<'_>,
+        light: &Irradiance<'_>,
+        evenness: Evenness<'_>,
+        progress: Progress<'_>,
+    ) -> Result<(), Cancelled> {
+        let fresh: Vec<PatchId> = mesh.leaves().filter(|leaf| !self.leaves.contains_key(leaf)).collect();
+        let spots = |&leaf: &PatchId| {
+            let corner = move |vertex| {
+                let request = places.vertex(mesh, leaf, vertex);
+                (Spot::Corner(request.key), leaf, request.point)
+            };
+            let in_middle = places.inside(mesh, leaf, mesh.patch(leaf).centroid_m);
+            mesh.corners(leaf).map(corner).chain([(Spot::Middle(leaf), leaf, in_middle)])
+        };
+        let mut wanted: Vec<(Spot, PatchId, ReceiverPoint)> = fresh.iter().flat_map(spots).collect();
+        wanted.retain(|(spot, ..)| !self.numbers.contains_key(spot));
+        wanted.sort_by_key(|&(spot, leaf, _)| (spot, leaf));
+        wanted.dedup_by_key(|&mut (spot, ..)| spot);
+        let known = self.points.len();
+        let gathered = |(number, (spot, _, point)): (usize, &(Spot, PatchId, ReceiverPoint))| {
+            if number.is_multiple_of(POINTS_A_REPORT) {
+                progress.report(Stage::Solve, known + number, 0)?;
+            }
+            let as_before = before.terms(spot).filter(|terms| light.is_as_good(terms));
+            Ok((*point, as_before.cloned().unwrap_or_else(|| light.terms(point))))
+        };
+        let gathered = wanted.par_iter().enumerate().map(gathered).collect::<Result<Vec<_>, Cancelled>>()?;
+        self.numbers.extend(wanted.iter().enumerate().map(|(i, &(spot, ..))| (spot, (known + i) as u32)));
+        self.points.extend(gathered);
+        let leaves: Vec<(PatchId, BouncedLeaf)> = fresh
+            .par_iter()
+            .filter_map(|&leaf| {
+                let patch = mesh.patch(leaf);
+                let frame = mesh.frame(patch.face);
+                let corner = |vertex| {
+                    let spot = Spot::Corner(places.vertex(mesh, leaf, vertex).key);
+                    let offset_m = frame.to_2d(mesh.vertex_m(vertex)) - frame.to_2d(patch.centroid_m);
+                    Some((offset_m, *self.numbers.get(&spot)?))
+                };
+                let in_middle = *self.numbers.get(&Spot::Middle(leaf))?;
+                let corners = mesh.corners(leaf).filter_map(corner).collect();
+                let mut looked_at = BouncedLeaf { corners, in_middle, uneven: 0.0 };
+                let reflectance = evenness.reflectance[mesh.root(patch.face)].max_element();
+                looked_at.uneven = patch.area_m2 * reflectance.powi(2) * self.uneven_nearby(&looked_at, light);
+                Some((leaf, looked_at))
+            })
+            .collect();
+        self.leaves.retain(|&patch, _| mesh.patch(patch).subpatches.is_none());
+        self.leaves.extend(leaves);
+        Ok(())
+    }
+
+    fn terms(&self, spot: &Spot) -> Option<&Terms> {
+        self.numbers.get(spot).map(|&number| &self.points[number as usize].1)
+    }
+
+    /// Mean square of how far the light of a leaf departs from a linear function, times the square of the share of its view that
+    /// near patches fill.
+    fn uneven_nearby(&self, leaf: &BouncedLeaf, light: &Irradiance<'_>) -> f64 {
+        let value = |number: u32| light.sum_of(&self.points[number as usize].1);
+        let in_middle = value(leaf.in_middle);
+        let corners: SmallVec<[(DVec2, Rgb); 4]> =
+            leaf.corners.iter().map(|&(offset_m, number)| (offset_m, value(number))).collect();
+        let linear = over_leaf(in_middle, &corners);
+        let squared = |value: Rgb| (value * value).element_sum() / 3.0;
+        let at_corners = corners.iter().map(|&(offset_m, value)| squared(value - linear.at(offset_m)));
+        let count = corners.len() as f64;
+        let departure = 0.5 * (squared(in_middle - linear.mean) + at_corners.sum::<f64>() / count);
+        let radius_m = corners.iter().map(|(offset_m, _)| offset_m.length()).fold(0.0, f64::max);
+        let near = |number: u32| {
+            let (point, terms) = &self.points[number as usize];
+            light.share_of_near(point, terms, NEAR_RADII, radius_m)
+        };
+        let at_corners: f64 = leaf.corners.iter().map(|&(_, number)| near(number)).sum();
+        departure * (0.5 * (near(leaf.in_middle) + at_corners / count)).powi(2)
+    }
+
+    /// Irradiance of the leaves where patches reflect `radiosity`, in W/m2.
+    pub(super) fn over_leaves(
+        &self,
+        light: &Irradiance<'_>,
+        radiosity: &Table<PatchId, Linear<Rgb>>,
+    ) -> Vec<(PatchId, Linear<Rgb>)> {
+        let crowds = light.crowds_of(radiosity);
+        let values: Vec<Rgb> = self.points.par_iter().map(|(_, terms)| terms.sum(radiosity, &crowds)).collect();
+        let over = |(&patch, leaf): (&PatchId, &BouncedLeaf)| {
+            let value = |number: u32| values[number as usize];
+            let corners: SmallVec<[(DVec2, Rgb); 4]> =
+                leaf.corners.iter().map(|&(offset_m, number)| (offset_m, value(number))).collect();
+            (patch, over_leaf(value(leaf.in_middle), &corners))
+        };
+        self.leaves.par_iter().map(over).collect()
+    }
+
+    /// Notes what points see.
+    pub(super) fn note(self, notes: &Notes<Terms>) {
+        self.points.into_iter().for_each(|(point, terms)| notes.note(&point, terms));
+    }
+}
+
+/// The linear function over a convex polygon whose mean is that of the field with a value in the centroid and values at the
+/// corners, which are given by their offsets from the centroid: exact to degree 2 over triangles and to degree 3 over
+/// parallelograms, where it is Simpson's rule.
+fn over_leaf(in_middle: Rgb, corners: &[(DVec2, Rgb)]) -> Linear<Rgb> {
+    let count = corners.len();
+    let doubled_m2: Vec<f64> = (0..count).map(|i| corners[i].0.perp_dot(corners[(i + 1) % count].0)).collect();
+    let whole_m2: f64 = doubled_m2.iter().sum();
+    if whole_m2 <= 0.0 {
+        return Linear { mean: in_middle, ..Linear::default() };
+    }
+    let weight = |i: usize| 0.5 * (doubled_m2[i] + doubled_m2[(i + count - 1) % count]) / whole_m2;
+    let linear = Linear::fit(corners.iter().enumerate().map(|(i, &(offset_m, value))| (offset_m, weight(i), value)));
+    // What is left of the field beside its slope is zero in the middle, and grows with the square of the distance.
+    let beside = |&(offset_m, value): &(DVec2, Rgb)| value - in_middle - (linear.at(offset_m) - linear.mean);
+    let at_corners: Rgb = corners.iter().enumerate().map(|(i, corner)| weight(i) * beside(corner)).sum();
+    let square_m2 = |i: usize| {
+        let (p, q) = (corners[i].0, corners[(i + 1) % count].0);
+        doubled_m2[i] / whole_m2 * (p.dot(p) + p.dot(q) + q.dot(q)) / 6.0
+    };
+    let over_area_m2: f64 = (0..count).map(square_m2).sum();
+    let over_corners_m2: f64 = (0..count).map(|i| weight(i) * corners[i].0.length_squared()).sum();
+    Linear { mean: in_middle + over_area_m2 / over_corners_m2 * at_corners, ..linear }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::MeshSettings;
+    use crate::visibility::{Visibility, fixture};
+    use glam::DVec3;
+
+    #[test]
+    fn the_mean_over_a_leaf_is_exact_to_its_degree() {
+        let field = |p: DVec2| Rgb::splat(3.0 + p.x - 2.0 * p.y + p.x * p.x - 3.0 * p.x * p.y + 0.5 * p.y * p.y);
+        let corners =
+            |points: &[(f64, f64)]| points.iter().map(|&p| (DVec2::from(p), field(p.into()))).collect::<Vec<_>>();
+        // Integrals of the squares by hand: a parallelogram with the half sides (2, 1) and (0, 1), and a triangle.
+        let parallelogram = over_leaf(Rgb::splat(3.0), &corners(&[(-2.0, -2.0), (2.0, 0.0), (2.0, 2.0), (-2.0, 0.0)]));
+        assert!((parallelogram.mean.x - (3.0 + 4.0 / 3.0 - 3.0 * 2.0 / 3.0 + 0.5 * 2.0 / 3.0)).abs() < 1e-12);
+        let triangle = over_leaf(Rgb::splat(3.0), &corners(&[(-1.0, -1.0), (2.0, -1.0), (-1.0, 2.0)]));
+        assert!((triangle.mean.x - (3.0 + 0.5 + 3.0 * 0.25 + 0.5 * 0.5)).abs() < 1e-12);
+        assert!(over_leaf(Rgb::ONE, &corners(&[(0.0, 0.0), (0.0, 0.0), (0.0, 0.0)])).mean == Rgb::ONE);
+    }
+
+    /// How many leaves gathering adds to those of a room that glows, with a plate so far before one wall.
+    fn splits_before_a_plate(gap_m: f64) -> usize {
+        let mut polygons = fixture::inward_box(DVec3::ZERO, DVec3::ONE);
+        polygons.extend(fixture::outward_box(DVec3::new(gap_m, 0.1, 0.1), DVec3::new(gap_m + 0.01, 0.9, 0.9)));
+        let prepared = fixture::prepared(&polygons);
+        let visibility = Visibility::new(&prepared);
+        let mut mesh = Mesh::new(&prepared, &Table::new(), MeshSettings::default());
+        for _ in 0..4 {
+            let leaves: Vec<PatchId> = mesh.leaves().collect();
+            leaves.into_iter().for_each(|leaf| assert!(mesh.split(leaf)));
+        }
+        // All that does not face the gap glows: it is bright at its mouth alone.
+        let in_gap = |face| {
+            let x = (prepared.origin_m + prepared.polygon_m(face)[0]).x;
+            prepared.normal(face).x.abs() > 0.5 && x < gap_m + 1e-6
+        };
+        let glow = |face| Rgb::splat(if in_gap(face) { 0.0 } else { 1.0 });
+        let glowing = mesh.patches().map(|(_, patch)| Linear { mean: glow(patch.face), ..Linear::default() });
+        let reflected: Table<PatchId, Linear<Rgb>> = glowing.collect();
+        let (sources, before) = (mesh.clone(), mesh.leaves().count());
+        let light = Irradiance::new(&prepared, &visibility, &sources, &reflected, Rgb::ONE);
+        let reflectance: Table<PatchId, Rgb> = vec![Rgb::splat(0.5); mesh.patch_count()].into();
+        let evenness = Evenness { reflectance: &reflectance, tolerance: 0.01 };
+        let (places, nothing) = (Places::new(&prepared), BouncedLight::default());
+        let silent = Progress::silent();
+        let bounced = BouncedLight::gather(nothing, &mut mesh, &places, &light, evenness, silent).unwrap();
+        assert!(bounced.leaves.keys().copied().eq(mesh.leaves()), "all leaves are known, and nothing else");
+        mesh.leaves().count() - before
+    }
+
+    #[test]
+    fn leaves_are_split_where_light_is_uneven_and_near_to_others() {
+        let [narrow, wide] = [0.02, 0.45].map(splits_before_a_plate);
+        assert!(narrow > 100 && wide < narrow / 4, "{narrow} and {wide}");
+    }
+}
