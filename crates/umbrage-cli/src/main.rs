@@ -14,6 +14,7 @@ mod info;
 mod inspect;
 mod interrupt;
 mod light;
+mod limits;
 mod memory;
 mod page;
 mod progress;
