@@ -21,9 +21,9 @@ use crate::{memory, summary};
 /// Of a limit of time, so much is left for writing the file, and this share.
 const WRITING: Duration = Duration::from_millis(100);
 const WRITING_SHARE: f64 = 0.01;
-/// Of a limit of memory, so much is left, and this share. Between two reports of progress scenes at usual tolerances
-/// take up to 7 % more; three polygons at a hundredth of them, which grow by 130 MB a second, a quarter now and then,
-/// as refinement goes by rounds.
+/// Of a limit of memory, so much is left, and this share (which [`TooLittle`] and `umbrage help bake` tell, too).
+/// Between two reports of progress scenes at usual tolerances take up to 7 % more; three polygons at a hundredth of
+/// them, which grow by 130 MB a second, a quarter now and then, as refinement goes by rounds.
 const SPARE_BYTES: u64 = 8 << 20;
 const SPARE_SHARE: f64 = 0.125;
 /// How often memory is looked at.
@@ -68,9 +68,9 @@ pub(crate) enum TooLittle {
     )]
     Time { tolerance: f64 },
     #[error(
-        "the memory limit of {} is too small for the first and coarsest step, at tolerance {tolerance}: the process \
-         had held {} when it was given up, and {} before it began. Nothing was written. Give it more memory, or a \
-         greater --tolerance",
+        "the memory limit of {}, of which an eighth and 8 MiB stay free, is too small for the first and coarsest step, \
+         at tolerance {tolerance}: the process had held {} when it was given up, and {} before it began. Nothing was \
+         written. Give it more memory, or a greater --tolerance",
         summary::bytes(*.limit_bytes), summary::bytes(*.held_bytes), summary::bytes(*.before_bytes)
     )]
     Memory { tolerance: f64, limit_bytes: u64, held_bytes: u64, before_bytes: u64 },
