@@ -1,7 +1,7 @@
 //! What the fuzz targets share.
 //!
-//! Each target panics where a promise is broken; libFuzzer then keeps the bytes that did it, and stops where memory or time run
-//! out of all proportion.
+//! Each target panics where a promise is broken; libFuzzer then keeps the bytes that did it, and stops where memory or
+//! time run out of all proportion.
 
 use std::path::Path;
 

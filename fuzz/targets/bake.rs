@@ -1,7 +1,7 @@
 //! Preparation and a coarse bake of small polygon soups.
 //!
-//! Bytes become polygons whose corners lie on a grid of eight, so that they touch, cross and cover each other often; a corner may be
-//! off by a little, and the whole scene may be far away, turned by next to nothing or small.
+//! Bytes become polygons whose corners lie on a grid of eight, so that they touch, cross and cover each other often; a
+//! corner may be off by a little, and the whole scene may be far away, turned by next to nothing or small.
 #![no_main]
 
 #[path = "../../crates/umbrage/tests/common/mod.rs"]

@@ -1,7 +1,8 @@
 //! Finding d-segments in fields of boxes: `cargo bench -p umbrage-bench --bench discontinuity`.
 //!
-//! `brute_force` asks every face about every wedge. The greatest field takes long: `UMBRAGE_BENCH_FACES=100000` adds it. Before
-//! the benchmark each field is searched once and counted: d-segments, wedges, and the time and memory of each.
+//! `brute_force` asks every face about every wedge. The greatest field takes long: `UMBRAGE_BENCH_FACES=100000` adds
+//! it. Before the benchmark each field is searched once and counted: d-segments, wedges, and the time and memory of
+//! each.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a benchmark fails by panicking and says what it counted")]
 
 use std::time::Instant;
@@ -15,7 +16,8 @@ use umbrage::visibility::Visibility;
 use umbrage_bench::{box_field, usage};
 
 const LAMPS: usize = 3;
-/// d-segments that are weaker than this share of the mean are left out: a tenth of what a bake at a tolerance of 1 % leaves out.
+/// d-segments that are weaker than this share of the mean are left out: a tenth of what a bake at a tolerance of 1 %
+/// leaves out.
 const LEAST_SHARE: f64 = 1e-3;
 
 struct Field {

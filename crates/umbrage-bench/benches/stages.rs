@@ -1,7 +1,7 @@
 //! The stages that have no benchmark of their own: `cargo bench -p umbrage-bench --bench stages`.
 //!
-//! Each one gets what the stages before it made of the Cornell box and of a field of 100 faces. A stage that cuts the mesh gets a
-//! new one every time; making it is not in the time.
+//! Each one gets what the stages before it made of the Cornell box and of a field of 100 faces. A stage that cuts the
+//! mesh gets a new one every time; making it is not in the time.
 #![allow(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
 use std::hint::black_box;
@@ -19,7 +19,8 @@ use umbrage::transport::{self, DirectLight, FormFactorOracle, Links};
 use umbrage::visibility::Visibility;
 use umbrage_bench::box_field;
 
-/// Fmax, and the least area of a patch in square metres: coarser than a bake at the default tolerance, so that a round is short.
+/// Fmax, and the least area of a patch in square metres: coarser than a bake at the default tolerance, so that a round
+/// is short.
 const FMAX: f64 = 0.1;
 const MIN_AREA_SHARE: f64 = 1e-3;
 /// What shading is asked for, as a share of the mean light.
@@ -94,8 +95,8 @@ fn transport(bencher: Bencher<'_, '_>, name: &str) {
     });
 }
 
-/// The solution over links, and before it the direct light of the patches; without the exact bounces of a bake, which are
-/// gathered as `shade` does it.
+/// The solution over links, and before it the direct light of the patches; without the exact bounces of a bake, which
+/// are gathered as `shade` does it.
 #[divan::bench(args = SCENES, sample_count = 5, sample_size = 1)]
 fn solve(bencher: Bencher<'_, '_>, name: &str) {
     let stages = Stages::new(name);

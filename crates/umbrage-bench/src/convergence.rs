@@ -1,7 +1,7 @@
 //! `convergence`: error against triangles and against time, with and without discontinuities.
 //!
-//! With discontinuities a scene is baked at a row of tolerances. Without, it is given as many triangles as each of these bakes
-//! made, by a tolerance that it cannot reach, and the same Fmax: all that differs is where triangles are.
+//! With discontinuities a scene is baked at a row of tolerances. Without, it is given as many triangles as each of
+//! these bakes made, by a tolerance that it cannot reach, and the same Fmax: all that differs is where triangles are.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -20,7 +20,8 @@ use crate::{measure, page, plot, say, scenes, tell, usage};
 
 /// What is asked for: error as a share of the mean light.
 const TOLERANCES: [f64; 6] = [0.16, 0.08, 0.04, 0.02, 0.01, 0.005];
-/// Without discontinuities a tolerance below by this share is asked for, so that the number of triangles is what ends it.
+/// Without discontinuities a tolerance below by this share is asked for, so that the number of triangles is what ends
+/// it.
 const OUT_OF_REACH: f64 = 0.1;
 
 const HELP: &str = "\

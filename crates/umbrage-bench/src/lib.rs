@@ -1,8 +1,9 @@
 //! Scenes that grow: one generator of box fields for all benchmarks.
 //!
-//! Boxes of different sizes stand, lean and float on the cells of a square floor, under a number of square lamps that hang at
-//! half the width of the field. Twice as many faces are twice as many boxes on twice the floor, each of the same size: the
-//! lamps grow with the floor, so that the share of boxes that stand in one another's light stays what it is.
+//! Boxes of different sizes stand, lean and float on the cells of a square floor, under a number of square lamps that
+//! hang at half the width of the field. Twice as many faces are twice as many boxes on twice the floor, each of the
+//! same size: the lamps grow with the floor, so that the share of boxes that stand in one another's light stays what it
+//! is.
 
 pub mod usage;
 

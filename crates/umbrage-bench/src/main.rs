@@ -7,8 +7,8 @@
 //! cargo run --release -p umbrage-bench -- weak
 //! ```
 //!
-//! Each bake of the suite is a process of its own, since the most memory that a process held never falls again: the program
-//! starts itself with the hidden command `one`, which prints what it measured as JSON.
+//! Each bake of the suite is a process of its own, since the most memory that a process held never falls again: the
+//! program starts itself with the hidden command `one`, which prints what it measured as JSON.
 
 mod compare;
 mod convergence;

@@ -1,4 +1,5 @@
-//! Convergence plots: one row per scene; on the left error against triangles, on the right against time, both axes logarithmic.
+//! Convergence plots: one row per scene; on the left error against triangles, on the right against time, both axes
+//! logarithmic.
 
 use std::path::Path;
 

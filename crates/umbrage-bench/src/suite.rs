@@ -75,7 +75,8 @@ pub(crate) fn run(args: &SuiteArgs) -> anyhow::Result<()> {
     }
 }
 
-/// Bakes a scene with each number of threads, the most first, and verifies it once; and which of these bakes left nothing.
+/// Bakes a scene with each number of threads, the most first, and verifies it once; and which of these bakes left
+/// nothing.
 fn measured(wanted: &Wanted, args: &SuiteArgs) -> (Option<Measured>, Vec<Unfinished>) {
     let (mut bakes, mut digests, mut verified, mut unfinished) = (Vec::new(), Vec::new(), None, Vec::new());
     for threads in THREADS.into_iter().rev() {
@@ -203,8 +204,8 @@ fn mebibytes(bytes: u64) -> String {
     format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20))
 }
 
-/// The powers of the number of polygons with which time, memory and the rest grow over the fields of boxes, a row for each
-/// tolerance; `None` where there are no two fields.
+/// The powers of the number of polygons with which time, memory and the rest grow over the fields of boxes, a row for
+/// each tolerance; `None` where there are no two fields.
 fn growth(scenes: &[Measured]) -> Option<Table> {
     let mut of_tolerance: Vec<(String, Vec<&Timed>)> = Vec::new();
     for scene in scenes {
@@ -246,8 +247,8 @@ fn growth(scenes: &[Measured]) -> Option<Table> {
     (!is_empty).then_some(table)
 }
 
-/// The power of `x` with which `y` grows: the slope of the straight line through logarithms that errs least in squares; `None`
-/// where there are no two different `x`, or something is not above 0.
+/// The power of `x` with which `y` grows: the slope of the straight line through logarithms that errs least in squares;
+/// `None` where there are no two different `x`, or something is not above 0.
 fn power(points: &[(f64, f64)]) -> Option<f64> {
     if points.iter().any(|&(x, y)| !(x > 0.0 && y > 0.0)) {
         return None;

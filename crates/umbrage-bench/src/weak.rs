@@ -1,7 +1,7 @@
 //! `weak`: what is lost when weak d-segments are left out.
 //!
-//! A scene is baked again and again, each time without the d-segments that change irradiance by less than a larger share of
-//! the tolerance. Those of contacts always stay.
+//! A scene is baked again and again, each time without the d-segments that change irradiance by less than a larger
+//! share of the tolerance. Those of contacts always stay.
 
 use clap::Args;
 use umbrage::bake::{BakeSettings, bake};

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
+use bytesize::ByteSize;
 use clap::Args;
 use umbrage::bake::{self, BakeSettings};
 use umbrage::progress::Progress;
@@ -13,16 +14,13 @@ use umbrage_formats::{Written, choose_nodes, write_baked_glb};
 
 use crate::interrupt::{Interrupted, Kept};
 use crate::light::Fluxes;
+use crate::limits::{Limits, memory_limit, time_limit};
 use crate::method::{MethodArgs, facts, positive, share};
 use crate::output::{self, Output};
 use crate::reuse::Reuse;
 use crate::scene_file::SceneArgs;
-use crate::steps::{Hurry, Step, bake_in_steps, bake_in_steps_by};
+use crate::steps::{Step, Wishes, bake_in_steps, bake_in_steps_by};
 use crate::{interrupt, summary};
-
-/// Of a limit, so much is left for writing the file, and this share.
-const WRITING: Duration = Duration::from_millis(100);
-const WRITING_SHARE: f64 = 0.01;
 
 const HELP: &str = "\
 Examples:
@@ -30,14 +28,15 @@ Examples:
   umbrage bake room.glb -o fine.glb --tolerance 0.003
   umbrage bake room.glb -o small.glb --max-triangles 5000
   umbrage bake room.glb -o best.glb --time-limit 60
+  umbrage bake room.glb -o best.glb --memory-limit 2GiB
   umbrage bake room.glb -o early.glb --progressive
   umbrage bake room.glb -o baked.glb --reuse room.umbrage
   umbrage bake room.glb -o brighter.glb --exposure 2.5
   umbrage bake room.glb -o room-only.glb --skip car
   umbrage bake house.obj -o house.glb --unit mm --emit lamp=12,11,9
 
-A scene needs at least one material that gives light (glTF: emissiveFactor, in Blender: Emission; OBJ: Ke; MGF: ed). Where \
-the file has none, --emit gives it, or a TOML beside the scene (for room.glb: room.umbrage.toml):
+A scene needs at least one material that gives light (glTF: emissiveFactor, in Blender: Emission; OBJ: Ke; MGF: ed). \
+Where the file has none, --emit gives it, or a TOML beside the scene (for room.glb: room.umbrage.toml):
 
   [materials.lamp]
   emission = [12, 11, 9]      # radiance in W/(m2 sr); one number is for red, green and blue
@@ -52,9 +51,19 @@ the file has none, --emit gives it, or a TOML beside the scene (for room.glb: ro
   position = [0, 2.2, 0]
   intensity = 8
 
---time-limit and --progressive bake in steps, the first of them at 16 times the tolerance, each finer than the one before. Every step is a whole bake, the same that its tolerance alone gives, and the file names that tolerance. Where the limit ends before the tolerance asked for was reached, a warning says which one was, and the exit code is 0; where it ends before the first step, nothing is written. Ctrl-C ends a bake at once: with --progressive the best result by then stays, without it nothing is written.
+--time-limit, --memory-limit and --progressive bake in steps, the first of them at 16 times the tolerance, each finer \
+than the one before. Every step is a whole bake, the same that its tolerance alone gives, and the file names that \
+tolerance. Where a limit is reached before the tolerance asked for, the step that runs is given up and the one before \
+is written; a warning says at which tolerance it is and how much it errs, and the exit code is 0. Where a limit is \
+reached in the first step, nothing is written. Ctrl-C ends a bake at once: with --progressive the best result by then \
+stays, without it nothing is written.
 
---reuse FILE is for trying lamps and colours: the first bake writes FILE, every later one takes it up, whatever changed of emission, reflectance and lamps since. FILE stays as it is until surfaces or options change; it may be deleted at any time.
+--memory-limit is of the most that the process holds, reading the scene included: of `peak memory` in the summary. A \
+step is given up when all but an eighth and 8 MiB of SIZE is held; these are for what a step takes until it has ended.
+
+--reuse FILE is for trying lamps and colours: the first bake writes FILE, every later one takes it up, whatever \
+changed of emission, reflectance and lamps since. FILE stays as it is until surfaces or options change; it may be \
+deleted at any time. It keeps what one tolerance finds, and so does not go with a bake in steps.
 
 Units are metres and W/m2; a surface is lit on its front, unless its material is double-sided.";
 
@@ -74,8 +83,8 @@ pub(crate) struct BakeArgs {
     /// Take no surface to reflect more than this share of the light: a white closed room has no solution
     #[arg(long, value_name = "R", value_parser = share, default_value_t = 0.9)]
     max_reflectance: f64,
-    /// Bake only this node, by its name or its mesh's, with all below it; may be repeated. All others block, reflect and give light,
-    /// but are not in the baked file: their nodes are there, empty
+    /// Bake only this node, by its name or its mesh's, with all below it; may be repeated. All others block, reflect
+    /// and give light, but are not in the baked file: their nodes are there, empty
     #[arg(long, value_name = "NODE")]
     only: Vec<String>,
     /// Do not bake this node, nor what is below it; may be repeated
@@ -84,12 +93,16 @@ pub(crate) struct BakeArgs {
     /// Write the best result that there is time for: end within S seconds, reading and writing included
     #[arg(long, value_name = "S", value_parser = time_limit)]
     time_limit: Option<Duration>,
-    /// Write a coarse result early, and replace it by better ones until the tolerance is reached; takes about a third longer
+    /// Write the best result that there is memory for: give up what takes more than SIZE, such as 500MB or 2GiB
+    #[arg(long, value_name = "SIZE", value_parser = memory_limit)]
+    memory_limit: Option<ByteSize>,
+    /// Write a coarse result early, and replace it by better ones until the tolerance is reached; takes about a third
+    /// longer
     #[arg(long)]
     progressive: bool,
-    /// Take up what FILE has of a bake of the same surfaces: after lamps or colours changed it takes a fraction of the time. Where
-    /// there is no such file, or surfaces or options are others, bake as if there were none, and write it
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["time_limit", "progressive"])]
+    /// Take up what FILE has of a bake of the same surfaces: after lamps or colours changed it takes a fraction of the
+    /// time. Where there is no such file, or surfaces or options are others, bake as if there were none, and write it
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["time_limit", "memory_limit", "progressive"])]
     reuse: Option<PathBuf>,
     #[command(flatten)]
     reading: SceneArgs,
@@ -112,8 +125,10 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     let mut scene = args.reading.read(&args.scene, args.max_reflectance)?;
     choose_nodes(&mut scene, &args.only, &args.skip)?;
     let scene = Arc::new(scene);
-    let hurry = Hurry { early: args.progressive, until: args.time_limit.and_then(|limit| last_moment(begin, limit)) };
+    let limits = Arc::new(Limits::new(begin, args.time_limit, args.memory_limit)?);
+    let wishes = Wishes { early: args.progressive, limits: Arc::clone(&limits) };
     let write = |step: &Step| write(&scene, step, args.exposure, &args.output);
+    let asked = args.method.settings();
     let mut best = None;
     let reuse = args.reuse.clone().map(Reuse::new);
     let bake = {
@@ -123,7 +138,7 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
             None => bake::bake(scene, settings, progress),
         }
     };
-    let ended = bake_in_steps_by(bake, &scene, &args.method.settings(), hurry, output, |step| {
+    let ended = bake_in_steps_by(bake, &scene, &asked, &wishes, output, |step| {
         let written = args.progressive.then(|| write(&step)).transpose()?;
         if args.progressive && !step.is_asked {
             let seconds = summary::seconds(begin.elapsed().as_secs_f64());
@@ -132,32 +147,24 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
         best = Some((step, written));
         Ok(())
     });
-    let (step, written) = match (ended, best) {
-        (Ok(()), Some(best)) => best,
+    let (limit, step, written) = match (ended, best) {
+        (Ok(limit), Some((step, written))) => (limit, step, written),
         (Err(error), Some((step, Some(_)))) if error.is::<Interrupted>() => {
             return Err(Kept(format!("{} has {}", args.output.display(), quality(&step))).into());
         }
         (Err(error), _) => return Err(error).with_context(|| format!("cannot bake {}", args.scene.display())),
-        (Ok(()), None) => anyhow::bail!("{}: nothing was baked", args.scene.display()),
+        (Ok(_), None) => anyhow::bail!("{}: nothing was baked", args.scene.display()),
     };
     let written = written.map_or_else(|| write(&step), Ok)?;
-    if !step.is_asked {
-        output::warning(&format!(
-            "the time limit is too short for tolerance {}: {} has {}. A longer --time-limit gets nearer to it",
-            args.method.settings().shade.tolerance,
-            args.output.display(),
-            quality(&step)
-        ));
+    let why_coarser = limit.map(|limit| limits.why_coarser(limit, asked.shade.tolerance));
+    if let (Some(why), Some(limit)) = (&why_coarser, limit) {
+        let (file, way_out) = (args.output.display(), limit.way_out());
+        output::warning(&format!("{why}: {file} has {}. {way_out} gets nearer to it", quality(&step)));
     }
-    let summary = summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, begin.elapsed());
+    let coarser = why_coarser.map(|why| format!("{}: {why}", step.settings.shade.tolerance));
+    let summary = summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, begin.elapsed(), coarser);
     output.say(&format!("{summary}Wrote {} ({})", args.output.display(), summary::bytes(written.bytes)))?;
     reuse.map_or(Ok(()), |reuse| reuse.finish(output))
-}
-
-/// When a bake must end, so that its file is there within the limit; `None` where it never comes.
-fn last_moment(begin: Instant, limit: Duration) -> Option<Instant> {
-    let for_writing = WRITING + limit.mul_f64(WRITING_SHARE);
-    begin.checked_add(limit.saturating_sub(for_writing))
 }
 
 /// How good a step is.
@@ -168,11 +175,6 @@ fn quality(step: &Step) -> String {
         100.0 * step.bake.report.error,
         summary::count(step.bake.report.triangles, "triangle")
     )
-}
-
-/// Seconds, more than 0.
-fn time_limit(text: &str) -> Result<Duration, String> {
-    Duration::try_from_secs_f64(positive(text)?).map_err(|error| error.to_string())
 }
 
 /// Fails where a file has no folder to be in: better now than after a long bake.
@@ -193,7 +195,7 @@ fn check_folder(output: &Path) -> anyhow::Result<()> {
 /// [`Interrupted`], and whatever is wrong with the scene.
 pub(crate) fn bake_scene(scene: &Arc<Scene>, settings: &BakeSettings, output: Output) -> anyhow::Result<Step> {
     let mut baked = None;
-    bake_in_steps(scene, settings, Hurry::default(), output, |step| {
+    bake_in_steps(scene, settings, &Wishes::default(), output, |step| {
         baked = Some(step);
         Ok(())
     })?;

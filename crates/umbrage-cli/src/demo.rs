@@ -43,8 +43,8 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> anyhow::Result<()> {
     write_atomically(&png, &picture)?;
 
     let umbrage = std::env::args().next().unwrap_or_else(|| "umbrage".into());
-    let (summary, glb_name) =
-        (summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, begin.elapsed()), glb.display());
+    let summary = summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, begin.elapsed(), None);
+    let glb_name = glb.display();
     output.say(&format!(
         "{summary}\
          Wrote {glb_name} ({}), for any glTF viewer\n\

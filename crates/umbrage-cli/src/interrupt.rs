@@ -1,7 +1,7 @@
 //! Ctrl-C: the first one asks a bake to stop, the second one ends the process at once.
 //!
-//! Holds: the signal handler only sets a flag, which the progress callback reads, and whoever waits for a bake; commands that
-//! report no progress keep the system's behaviour.
+//! Holds: the signal handler only sets a flag, which the progress callback reads, and whoever waits for a bake;
+//! commands that report no progress keep the system's behaviour.
 
 use std::process;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,5 +1,5 @@
-//! What `umbrage` shares with the window (`umbrage-view`): options of one name and one meaning, and the files that they are
-//! about.
+//! What `umbrage` shares with the window (`umbrage-view`): options of one name and one meaning, and the files that they
+//! are about.
 //!
 //! The commands themselves are the program's alone.
 

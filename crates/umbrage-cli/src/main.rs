@@ -3,8 +3,8 @@
 //! One file per command. What the command was asked for goes to standard output (a summary, a list); how it is going
 //! goes to standard error: progress on a terminal only, warnings, errors, logs.
 //!
-//! Holds: exit codes are those of [`exit_code::ExitCode`]; an error is told with its causes and a way out; a command that
-//! fails or is interrupted leaves no half-written file.
+//! Holds: exit codes are those of [`exit_code::ExitCode`]; an error is told with its causes and a way out; a command
+//! that fails or is interrupted leaves no half-written file.
 
 mod bake;
 mod demo;
@@ -14,6 +14,7 @@ mod info;
 mod inspect;
 mod interrupt;
 mod light;
+mod limits;
 mod memory;
 mod page;
 mod progress;

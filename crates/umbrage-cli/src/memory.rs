@@ -1,4 +1,6 @@
 //! How much memory the process has used.
+//!
+//! Linux has it in a file; what `getrusage` tells there can be the peak of the process that started this one.
 
 /// The most memory that the process has held so far, in bytes, where the system tells.
 #[cfg(target_os = "linux")]
@@ -7,7 +9,15 @@ pub(crate) fn peak_bytes() -> Option<u64> {
 }
 
 /// The most memory that the process has held so far, in bytes, where the system tells.
-#[cfg(not(target_os = "linux"))]
+#[cfg(all(unix, not(target_os = "linux")))]
+pub(crate) fn peak_bytes() -> Option<u64> {
+    use nix::sys::resource::{UsageWho, getrusage};
+    let unit_bytes = if cfg!(target_vendor = "apple") { 1 } else { 1024 };
+    Some(u64::try_from(getrusage(UsageWho::RUSAGE_SELF).ok()?.max_rss()).ok()? * unit_bytes)
+}
+
+/// The most memory that the process has held so far, in bytes, where the system tells.
+#[cfg(not(unix))]
 pub(crate) fn peak_bytes() -> Option<u64> {
     None
 }

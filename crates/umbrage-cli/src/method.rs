@@ -26,8 +26,8 @@ pub struct MethodArgs {
     /// Never split patches smaller than this, in square metres [default: from the size of the scene and the tolerance]
     #[arg(long, value_name = "A", value_parser = positive)]
     min_area: Option<f64>,
-    /// What decides that: `brightness` weighs the share by how bright, reflecting, large and hidden the patches are; `form-factor`
-    /// is the share alone, as in the paper
+    /// What decides that: `brightness` weighs the share by how bright, reflecting, large and hidden the patches are;
+    /// `form-factor` is the share alone, as in the paper
     #[arg(long, value_name = "ORACLE", default_value_t)]
     oracle: OracleKind,
     /// What makes a good cut of a patch: `eq1` is Eq. (1) of the paper as printed, `well-shaped` also shuns slivers
@@ -36,12 +36,12 @@ pub struct MethodArgs {
     /// Cut neither along the edges of shadows nor where surfaces touch: for comparison only
     #[arg(long)]
     no_discontinuities: bool,
-    /// Do not cut surfaces where others touch or cross them: faster for scenes of many parts that overlap, but light leaks
-    /// along these lines
+    /// Do not cut surfaces where others touch or cross them: faster for scenes of many parts that overlap, but light
+    /// leaks along these lines
     #[arg(long)]
     no_intersect: bool,
-    /// Show every face flat, also those that stand for a curved surface by the normals of their corners: the irradiance is then
-    /// that of the facets
+    /// Show every face flat, also those that stand for a curved surface by the normals of their corners: the irradiance
+    /// is then that of the facets
     #[arg(long)]
     flat_shading: bool,
     /// Do not put point split-hints into badly shaped patches: for comparison only

@@ -60,8 +60,8 @@ pub(crate) struct RenderArgs {
     /// Draw the edges of the triangles
     #[arg(long)]
     wireframe: bool,
-    /// Draw the d-segments (shadow edges) of this scene, which is the one that was baked: contacts and hard edges red, D1
-    /// orange, D2 blue
+    /// Draw the d-segments (shadow edges) of this scene, which is the one that was baked: contacts and hard edges red,
+    /// D1 orange, D2 blue
     #[arg(long, value_name = "SCENE")]
     segments: Option<PathBuf>,
     #[command(flatten)]

@@ -19,13 +19,15 @@ type Read = (Scene, Vec<Warning>);
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Scene")]
 pub struct SceneArgs {
-    /// Let a material give light: its radiance in W/(m2 sr), red, green and blue, or one number for all; may be repeated
+    /// Let a material give light: its radiance in W/(m2 sr), red, green and blue, or one number for all; may be
+    /// repeated
     #[arg(long, value_name = "MATERIAL=R,G,B")]
     emit: Vec<MaterialColour>,
     /// Let a material reflect this share of the light, 0 to 1, red, green and blue, or one number; may be repeated
     #[arg(long, value_name = "MATERIAL=R,G,B")]
     reflectance: Vec<MaterialColour>,
-    /// A TOML that says such things of materials, and may have lamps [default: SCENE.umbrage.toml beside the scene, if there is one]
+    /// A TOML that says such things of materials, and may have lamps [default: SCENE.umbrage.toml beside the scene, if
+    /// there is one]
     #[arg(long, value_name = "FILE")]
     materials: Option<PathBuf>,
     /// The unit of length of the file
@@ -106,8 +108,8 @@ impl SceneArgs {
         Ok(scene)
     }
 
-    /// The same for a program that tells the warnings itself. Also tells what files it is made of, those that are not there
-    /// included, and those that were asked for until reading failed.
+    /// The same for a program that tells the warnings itself. Also tells what files it is made of, those that are not
+    /// there included, and those that were asked for until reading failed.
     pub fn read_silently(&self, path: &Path, max_reflectance: f64) -> (Vec<PathBuf>, anyhow::Result<Read>) {
         let up = match self.up_axis {
             Up::Y => UpAxis::Y,

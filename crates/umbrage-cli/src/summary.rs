@@ -12,8 +12,15 @@ use umbrage_formats::Written;
 use crate::light::Fluxes;
 use crate::memory;
 
-/// The summary of a bake that took `elapsed` with reading and writing.
-pub(crate) fn summary(report: &Report, fluxes: &Fluxes, written: &Written, elapsed: Duration) -> String {
+/// The summary of a bake that took `elapsed` with reading and writing; `coarser` says at which tolerance and why, where
+/// that is not the one that was asked for.
+pub(crate) fn summary(
+    report: &Report,
+    fluxes: &Fluxes,
+    written: &Written,
+    elapsed: Duration,
+    coarser: Option<String>,
+) -> String {
     let mut text = format!("Baked in {}\n", seconds(elapsed.as_secs_f64()));
     let mut line = |name: &str, value: String| {
         // Writing to a string cannot fail.
@@ -40,6 +47,9 @@ pub(crate) fn summary(report: &Report, fluxes: &Fluxes, written: &Written, elaps
     line("links", format!("{}: {a_leaf:.1} for each patch that is not split{each}", grouped(report.links)));
     line("vertices", grouped(report.vertices));
     line("triangles", grouped(report.triangles));
+    if let Some(coarser) = coarser {
+        line("tolerance", coarser);
+    }
     line("error", format!("{:.2} % of the mean light, between vertices (estimate)", 100.0 * report.error));
     line("residual", format!("{:.1e} after {}", report.residual, count(report.iterations, "iteration")));
     line("energy", energy(&report.energy));

@@ -1,4 +1,4 @@
-//! Bakes in steps as a user meets them: a limit of time, early results, Ctrl-C.
+//! Bakes in steps as a user meets them: limits of time and memory, early results, Ctrl-C.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -87,6 +87,73 @@ fn early_results_end_in_the_one_asked_for() {
     assert!(first < second && told.matches("Wrote").count() == 3, "{told}");
     bake(&alone, &[]);
     assert_eq!(fs::read(early).unwrap(), fs::read(alone).unwrap());
+}
+
+/// What the summary of a bake says that the process has held, in bytes.
+#[cfg(unix)]
+fn peak_bytes(done: &Output) -> f64 {
+    let told = String::from_utf8_lossy(&done.stdout);
+    let line = told.lines().find_map(|line| line.trim().strip_prefix("peak memory")).unwrap();
+    let mebibytes: f64 = line.trim().strip_suffix("MiB").unwrap().trim().parse().unwrap();
+    mebibytes * f64::from(1 << 20)
+}
+
+#[cfg(unix)]
+#[test]
+fn a_step_that_memory_is_too_little_for_is_given_up_and_the_one_before_is_kept() {
+    let folder = folder("memory");
+    let [limited, alone] = ["limited.glb", "alone.glb"].map(|name| folder.join(name));
+    let bake = |path: &Path, more: &[&str]| {
+        let line = ["bake", &scene("occluder.glb"), "-o", path.to_str().unwrap(), "--threads", "1"];
+        let done = umbrage(&[&line[..], more].concat());
+        assert_eq!(done.status.code(), Some(0), "{}", err(&done));
+        done
+    };
+    // A limit that a step may come within an eighth and 8 MiB of, so that the first step keeps within it, and the
+    // second does not.
+    let (asked, first, second) = (0.0001, 0.0016, 0.0008);
+    let held = [second, first].map(|tolerance| peak_bytes(&bake(&alone, &["--tolerance", &tolerance.to_string()])));
+    let limit = (0.5 * (held[0] + held[1]) + f64::from(8 << 20)) / 0.875;
+    for more in [&[][..], &["--progressive"]] {
+        let limits = ["--memory-limit", &format!("{}", limit as u64), "--time-limit", "1000"];
+        let done = bake(&limited, &[&limits[..], &["--tolerance", &asked.to_string()], more].concat());
+        assert!(peak_bytes(&done) <= limit, "{} of {limit}", peak_bytes(&done));
+        assert_eq!(tolerance_in(&limited), first);
+        assert_eq!(fs::read(&limited).unwrap(), fs::read(&alone).unwrap());
+        let (told, warned) = (String::from_utf8_lossy(&done.stdout), err(&done));
+        assert!(warned.starts_with("warning: the memory limit of ") && warned.contains("was reached"), "{warned}");
+        assert!(warned.contains(&format!("at tolerance {first}, in error by 0.")), "{warned}");
+        assert!(told.contains(&format!("tolerance     {first}: the memory limit of ")), "{told}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn memory_that_is_too_little_for_the_first_step_is_told_and_leaves_nothing() {
+    let folder = folder("too_small");
+    let baked = folder.join("baked.glb");
+    let line = ["bake", &scene("occluder.glb"), "-o", baked.to_str().unwrap(), "--time-limit", "1000"];
+    let ended = umbrage(&[&line[..], &["--memory-limit", "9MiB", "--progressive"]].concat());
+    assert_eq!(ended.status.code(), Some(1), "{}", err(&ended));
+    for part in ["memory limit of 9.0 MiB", "step, at tolerance 0.16", "had held", "Give it more memory"] {
+        assert!(err(&ended).contains(part), "{}", err(&ended));
+    }
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
+    let refused = umbrage(&[&line[..], &["--memory-limit", "much"]].concat());
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(err(&refused).contains("such as 500MB or 2GiB"), "{}", err(&refused));
+}
+
+#[cfg(unix)]
+#[test]
+fn memory_that_is_enough_changes_nothing() {
+    let folder = folder("enough");
+    let [limited, alone] = ["limited.glb", "alone.glb"].map(|name| folder.join(name));
+    for (path, more) in [(&alone, &[][..]), (&limited, &["--memory-limit", "64GiB"])] {
+        let done = umbrage(&[&["bake", &scene("occluder.glb"), "-o", path.to_str().unwrap()], more].concat());
+        assert_eq!((done.status.code(), err(&done).as_str()), (Some(0), ""));
+    }
+    assert_eq!(fs::read(limited).unwrap(), fs::read(alone).unwrap());
 }
 
 #[cfg(unix)]

@@ -1,5 +1,5 @@
-//! JSON with a record per line, for `diff`: fields in the order in which they are written, numbers rounded so that they do
-//! not change with the last bit of a calculation.
+//! JSON with a record per line, for `diff`: fields in the order in which they are written, numbers rounded so that they
+//! do not change with the last bit of a calculation.
 
 use glam::DVec3;
 use serde_json::Value;

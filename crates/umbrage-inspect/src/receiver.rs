@@ -1,6 +1,7 @@
 //! Receivers: the faces of one plane that look the same way, and the frame in which they are drawn.
 //!
-//! A receiver is drawn as it is seen from its front: walls stand upright, floors are seen from above with +X to the right.
+//! A receiver is drawn as it is seen from its front: walls stand upright, floors are seen from above with +X to the
+//! right.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
-//! The JSON of small scenes, as it was looked at and found right. `UMBRAGE_BLESS=1` writes what is made now: look at the
-//! difference before it is committed.
+//! The JSON of small scenes, as it was looked at and found right. `UMBRAGE_BLESS=1` writes what is made now: look at
+//! the difference before it is committed.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::path::PathBuf;

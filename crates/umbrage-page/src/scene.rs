@@ -1,7 +1,7 @@
 //! The scene of a page: facts as JSON, and tables as bytes.
 //!
-//! Idea: the page needs neither a glTF reader nor what a file may hold besides; so parts of one look become one, and the
-//! tables are laid out as a graphics processor takes them. Positions stay relative to the file's origin.
+//! Idea: the page needs neither a glTF reader nor what a file may hold besides; so parts of one look become one, and
+//! the tables are laid out as a graphics processor takes them. Positions stay relative to the file's origin.
 //!
 //! Holds: materials cover all indices, one after the other; the same file gives the same text.
 //!

@@ -1,7 +1,7 @@
 //! The samples of a band of pixel rows: depth test, lines, and the average of each pixel's samples.
 //!
-//! Idea: a picture is made band by band, so that its samples need little memory and bands can be made in parallel. A band
-//! has a margin of rows above and below, because a line asks for the depth of samples beside it.
+//! Idea: a picture is made band by band, so that its samples need little memory and bands can be made in parallel. A
+//! band has a margin of rows above and below, because a line asks for the depth of samples beside it.
 //!
 //! Holds: a band's pixels depend on nothing but the scene and the picture's size, never on the other bands.
 

@@ -13,7 +13,8 @@
 /// A linear colour: red, green, blue; 1 is the screen's white.
 pub type LinearRgb = [f32; 3];
 
-/// What is behind the scene: a dark grey. Unlike black it shows where a dark scene ends, unlike white it does not blind.
+/// What is behind the scene: a dark grey. Unlike black it shows where a dark scene ends, unlike white it does not
+/// blind.
 pub const BACKGROUND: LinearRgb = [0.03; 3];
 
 /// Weights of linear red, green and blue in luminance (Rec. 709).
@@ -110,7 +111,8 @@ pub fn linear_from_srgb8(code: [u8; 3]) -> LinearRgb {
     code.map(|c| linear_from_srgb(f64::from(c) / 255.0) as f32)
 }
 
-/// The colour `at` of a scale, 0 to 1, clipped: straight between its stops in sRGB codes, as a style sheet's gradient is.
+/// The colour `at` of a scale, 0 to 1, clipped: straight between its stops in sRGB codes, as a style sheet's gradient
+/// is.
 pub fn on_scale(stops: &[[u8; 3]], at: f32) -> LinearRgb {
     let last = stops.len() - 1;
     // NaN is not above 0.

@@ -1,7 +1,7 @@
 //! Images as they are found on surfaces: PNG, JPEG, WebP and TGA, told by how they begin.
 //!
-//! Holds: no image takes more memory than its texels ask for, and none is larger than the caller allows; what a file's head says
-//! is looked at before anything is allocated for it.
+//! Holds: no image takes more memory than its texels ask for, and none is larger than the caller allows; what a file's
+//! head says is looked at before anything is allocated for it.
 
 use std::io::Cursor;
 

@@ -4,8 +4,8 @@
 //! triangles, sRGB), but slowly and exactly: no crack between triangles that share an edge, the same bytes on every run
 //! and with any number of threads. It is what the other ways of showing a bake are compared with.
 //!
-//! The crate knows neither scenes nor files; [`PictureMesh`] is plain tables. Design decision: samples on a regular 4 x 4
-//! grid and an average with equal weights, because a picture that is compared should be easy to predict.
+//! The crate knows neither scenes nor files; [`PictureMesh`] is plain tables. Design decision: samples on a regular 4 x
+//! 4 grid and an average with equal weights, because a picture that is compared should be easy to predict.
 //!
 //! | file | holds |
 //! |---|---|

@@ -1,8 +1,9 @@
-//! The mean colour of an image, or of the part of it that a triangle shows: what a textured surface reflects on the whole.
+//! The mean colour of an image, or of the part of it that a triangle shows: what a textured surface reflects on the
+//! whole.
 //!
-//! Idea: the image is reduced once to a coarse grid of cells, each with the mean light of its texels and, where alpha counts, the
-//! mean of alpha, by which the light is weighted: what is not seen reflects nothing. A triangle then takes the mean of cells at
-//! points that are spread evenly over it.
+//! Idea: the image is reduced once to a coarse grid of cells, each with the mean light of its texels and, where alpha
+//! counts, the mean of alpha, by which the light is weighted: what is not seen reflects nothing. A triangle then takes
+//! the mean of cells at points that are spread evenly over it.
 
 use crate::color::linear_from_srgb;
 use crate::decode::{TextureError, decode};

@@ -1,7 +1,7 @@
 //! A finished picture, and the PNG or EXR file that it becomes.
 //!
-//! Holds: pixels are linear, and within 0..1 unless they are [`crate::Look::Raw`]; the same picture gives the same bytes:
-//! neither file carries time or tool.
+//! Holds: pixels are linear, and within 0..1 unless they are [`crate::Look::Raw`]; the same picture gives the same
+//! bytes: neither file carries time or tool.
 
 use crate::color::{LinearRgb, linear_from_srgb8, srgb8_from_linear};
 

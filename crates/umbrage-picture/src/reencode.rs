@@ -14,8 +14,8 @@ pub fn for_viewers(file: Vec<u8>) -> Result<Vec<u8>, TextureError> {
     }
 }
 
-/// An image of colours with the opacity of another, as a PNG; white without `colours`. The opacity is the other's alpha where it
-/// has any, else its brightness. It is stretched over the colours.
+/// An image of colours with the opacity of another, as a PNG; white without `colours`. The opacity is the other's alpha
+/// where it has any, else its brightness. It is stretched over the colours.
 ///
 /// # Errors
 /// [`TextureError`] where one of them cannot be decoded.

@@ -3,8 +3,8 @@
 //! Idea: project everything once, sort it into bands of pixel rows, make the bands in parallel, put them together in
 //! order.
 //!
-//! Holds: the same picture, to the bit, with any number of threads; triangles are drawn in the order given, and of two at
-//! the same depth the first one stays.
+//! Holds: the same picture, to the bit, with any number of threads; triangles are drawn in the order given, and of two
+//! at the same depth the first one stays.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -360,7 +360,8 @@ mod tests {
 
     #[test]
     fn a_texture_is_right_in_perspective_and_upright() {
-        // The wall of the test above, with a texture that grows brighter from left to right and is black in its lower half.
+        // The wall of the test above, with a texture that grows brighter from left to right and is black in its lower
+        // half.
         let mut codes: Vec<u8> = (0..=255).collect::<Vec<u8>>().repeat(32);
         codes.resize(256 * 64, 0);
         let mut file = Vec::new();

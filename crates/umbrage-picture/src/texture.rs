@@ -1,9 +1,9 @@
 //! Base colour textures: mip levels, and the colour at a point.
 //!
-//! Idea: texels become linear light once, when the file is decoded; each level of the pyramid is the mean of four texels
-//! of the level below, so that it has the same mean light; a sample reads two levels, four texels each (trilinear), and
-//! chooses the levels by how far apart neighbouring samples are in the texture. The picture has many samples per pixel,
-//! so it stays sharp where a surface is seen at a grazing angle.
+//! Idea: texels become linear light once, when the file is decoded; each level of the pyramid is the mean of four
+//! texels of the level below, so that it has the same mean light; a sample reads two levels, four texels each
+//! (trilinear), and chooses the levels by how far apart neighbouring samples are in the texture. The picture has many
+//! samples per pixel, so it stays sharp where a surface is seen at a grazing angle.
 //!
 //! Holds: colours lie within 0..1; a texture of one colour has that colour everywhere; memory is 4/3 of the texels'.
 //! Alpha is averaged like a colour, as graphics processors do it; what it means is the caller's to say.
@@ -67,7 +67,8 @@ impl Texture {
         self.wrap
     }
 
-    /// Colour and alpha at `uv`, where the next samples to the right and below are `steps` away, as shares of the texture.
+    /// Colour and alpha at `uv`, where the next samples to the right and below are `steps` away, as shares of the
+    /// texture.
     pub(crate) fn sample(&self, uv: [f64; 2], steps: [[f64; 2]; 2]) -> Texel {
         let [width, height] = self.levels[0].size.map(|side| side as f64);
         let texels = steps.map(|[u, v]| (u * width).hypot(v * height)).into_iter().fold(0.0, f64::max);

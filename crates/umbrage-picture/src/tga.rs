@@ -1,8 +1,8 @@
 //! TGA images: of colours, of greys and of numbers in a table, plain or run-length encoded.
 //!
-//! Source: Truevision TGA File Format Specification, version 2.0 (1991). The format has no mark at its beginning; a file is one if
-//! all that its head says is possible. Alpha counts where the head says that there are bits of it: many programs leave
-//! rubbish in the fourth byte otherwise.
+//! Source: Truevision TGA File Format Specification, version 2.0 (1991). The format has no mark at its beginning; a
+//! file is one if all that its head says is possible. Alpha counts where the head says that there are bits of it: many
+//! programs leave rubbish in the fourth byte otherwise.
 
 use crate::decode::{Codes, TextureError, checked};
 

@@ -1,13 +1,13 @@
 //! The camera where none is asked for.
 //!
-//! Idea: stand outside the scene where most of its light can be seen. Candidates are the six views along the axes and the
-//! four from above a corner; each is moved back until the scene's box just fits, and drawn small. What counts is the mean
-//! luminance of the small picture, with triangles seen from behind drawn black: a box that is open on one side then is
-//! seen through that side, while looking in through a wall that is only invisible from behind counts for nothing. A room
-//! that is closed all around shows nothing in this way; it is then looked into through such a wall.
+//! Idea: stand outside the scene where most of its light can be seen. Candidates are the six views along the axes and
+//! the four from above a corner; each is moved back until the scene's box just fits, and drawn small. What counts is
+//! the mean luminance of the small picture, with triangles seen from behind drawn black: a box that is open on one side
+//! then is seen through that side, while looking in through a wall that is only invisible from behind counts for
+//! nothing. A room that is closed all around shows nothing in this way; it is then looked into through such a wall.
 //!
-//! Holds: the whole box is in the picture; the choice depends on the meshes and the proportions of the picture only, and
-//! of equally good candidates the first is taken.
+//! Holds: the whole box is in the picture; the choice depends on the meshes and the proportions of the picture only,
+//! and of equally good candidates the first is taken.
 
 use glam::DVec3;
 

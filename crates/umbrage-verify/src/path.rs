@@ -1,12 +1,12 @@
 //! Irradiance at a point by paths of light, without bias.
 //!
-//! From the point, rays go out by the cosine; where one meets a side that reflects, light is gathered there in turn by one
-//! ray more. At each place a point of an emitter is chosen too (next event estimation), and both ways of meeting an emitter
-//! are weighed by the balance heuristic (Veach, *Robust Monte Carlo methods for light transport simulation*, 1997): near
-//! an emitter the rays do better, far from it the chosen points. A path ends by Russian roulette.
+//! From the point, rays go out by the cosine; where one meets a side that reflects, light is gathered there in turn by
+//! one ray more. At each place a point of an emitter is chosen too (next event estimation), and both ways of meeting an
+//! emitter are weighed by the balance heuristic (Veach, *Robust Monte Carlo methods for light transport simulation*,
+//! 1997): near an emitter the rays do better, far from it the chosen points. A path ends by Russian roulette.
 //!
-//! The rays of the first place are stratified. They come in batches that know nothing of one another, so that the spread of
-//! the batches tells the error of their mean, stratified or not.
+//! The rays of the first place are stratified. They come in batches that know nothing of one another, so that the
+//! spread of the batches tells the error of their mean, stratified or not.
 
 use std::f64::consts::PI;
 

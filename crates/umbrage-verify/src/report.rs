@@ -1,8 +1,8 @@
 //! What a check found, and how the errors of bake and check are told apart.
 //!
-//! At each point the mean of `K` batches differs from the truth by chance, with a variance that the batches' spread tells.
-//! The mean squared difference between bake and check, less that variance, is the mean squared error of the bake, without
-//! bias.
+//! At each point the mean of `K` batches differs from the truth by chance, with a variance that the batches' spread
+//! tells. The mean squared difference between bake and check, less that variance, is the mean squared error of the
+//! bake, without bias.
 
 use glam::DVec3;
 use umbrage::scene::Rgb;

@@ -3,8 +3,8 @@
 //! The tree of boxes is `obvhs`'s, in `f32`, with boxes that are grown by more than `f32` rounds; triangles are met in
 //! `f64`.
 //!
-//! Holds: where several sides lie in one place, the one that faces the ray is met, and of those the smallest polygon's, as
-//! the baker promises.
+//! Holds: where several sides lie in one place, the one that faces the ray is met, and of those the smallest polygon's,
+//! as the baker promises.
 
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
@@ -15,8 +15,8 @@ use obvhs::{Boundable, BvhBuildParams};
 
 use crate::sides::{self, Triangle};
 
-/// Sides nearer to one another than this share of the extent are in one place, and a ray starts so far from its side: 16
-/// roundings of an `f32` coordinate.
+/// Sides nearer to one another than this share of the extent are in one place, and a ray starts so far from its side:
+/// 16 roundings of an `f32` coordinate.
 const TOUCHING_OF_EXTENT: f64 = 1e-6;
 /// Boxes are grown by this share of the extent, for the rounding of rays and boxes to `f32`.
 const GROWN_OF_EXTENT: f64 = 1e-5;
@@ -114,8 +114,8 @@ fn as_f32(p: DVec3) -> Vec3A {
     p.as_vec3a()
 }
 
-/// The distance at which a ray meets a triangle (Möller and Trumbore, *Fast, minimum storage ray-triangle intersection*,
-/// 1997).
+/// The distance at which a ray meets a triangle (Möller and Trumbore, *Fast, minimum storage ray-triangle
+/// intersection*, 1997).
 fn meets(triangle: &Triangle, from_m: DVec3, direction: DVec3) -> Option<f64> {
     let [first, second] = triangle.edges_m;
     let across = direction.cross(second);

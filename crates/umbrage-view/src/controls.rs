@@ -14,7 +14,8 @@ pub(crate) struct Controls {
     pub(crate) look: FrameLook,
     /// Unit of irradiance.
     pub(crate) unit: Unit,
-    /// Where the scale of false colours ends, in the file's unit; nothing: a round number above nearly all of the scene.
+    /// Where the scale of false colours ends, in the file's unit; nothing: a round number above nearly all of the
+    /// scene.
     pub(crate) scale_end: Option<f64>,
     /// Degrees of the d-segments that are drawn.
     pub(crate) degrees: [bool; 3],

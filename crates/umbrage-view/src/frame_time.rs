@@ -1,8 +1,8 @@
 //! How long a frame of a million triangles takes: `cargo test -p umbrage-view million -- --ignored --nocapture`.
 //!
-//! Idea: what is seen is one surface of one colour in waves, just larger than the picture, in a million triangles; so that
-//! nearly all of them are in sight, none hides another, and every pixel has to show that colour: a triangle that is lost, or
-//! a crack, shows as well.
+//! Idea: what is seen is one surface of one colour in waves, just larger than the picture, in a million triangles; so
+//! that nearly all of them are in sight, none hides another, and every pixel has to show that colour: a triangle that
+//! is lost, or a crack, shows as well.
 
 #![allow(clippy::print_stderr, reason = "it is a measurement")]
 

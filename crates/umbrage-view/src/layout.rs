@@ -1,12 +1,12 @@
 //! A baked file as tables for a graphics processor.
 //!
-//! Idea: a vertex carries both colours that can be asked for and its irradiance, so that changing what is shown changes no
-//! table; triangles are sorted by texture alone. Triangles that get no light at any corner come last in each group: where
-//! one thing stands on another, the covered area is black, and its border is as near as what covers it, so it is drawn as
-//! if it were a little farther away.
+//! Idea: a vertex carries both colours that can be asked for and its irradiance, so that changing what is shown changes
+//! no table; triangles are sorted by texture alone. Triangles that get no light at any corner come last in each group:
+//! where one thing stands on another, the covered area is black, and its border is as near as what covers it, so it is
+//! drawn as if it were a little farther away.
 //!
-//! Holds: groups cover all indices, one after the other; positions are relative to the file's origin, with the bits of the
-//! file; the same file gives the same tables.
+//! Holds: groups cover all indices, one after the other; positions are relative to the file's origin, with the bits of
+//! the file; the same file gives the same tables.
 
 use std::sync::Arc;
 
@@ -15,8 +15,8 @@ use umbrage_cli::shown::{Colors, Shown};
 use umbrage_picture::color::luminance;
 use umbrage_picture::{PictureMesh, Texture};
 
-/// Position (3), base colour times light (3), light (3), irradiance, place in the texture (2), and the alpha of the texture
-/// below which nothing is drawn.
+/// Position (3), base colour times light (3), light (3), irradiance, place in the texture (2), and the alpha of the
+/// texture below which nothing is drawn.
 pub(crate) type Vertex = [f32; 13];
 
 /// Triangles with one texture, or none.

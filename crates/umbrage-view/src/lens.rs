@@ -4,8 +4,8 @@
 //! crowded. Both planes come from the scene: the far one holds its whole box, the near one is as far away as the box
 //! allows, and where the eye is in the box a small share of the far one.
 //!
-//! Holds: positions are relative to the scene's origin, and the eye is subtracted in `f64`, so that a scene far from the
-//! world's origin does not tremble.
+//! Holds: positions are relative to the scene's origin, and the eye is subtracted in `f64`, so that a scene far from
+//! the world's origin does not tremble.
 
 use glam::{DMat4, DVec3, DVec4};
 use umbrage_picture::{Camera, CameraError};
@@ -32,8 +32,8 @@ pub(crate) struct Lens {
 }
 
 impl Lens {
-    /// The lens of `camera` for a picture `aspect` times as wide as high, of a scene with an origin, and a box relative to
-    /// it.
+    /// The lens of `camera` for a picture `aspect` times as wide as high, of a scene with an origin, and a box relative
+    /// to it.
     ///
     /// # Errors
     /// Where the camera sees nothing.

@@ -1,9 +1,9 @@
 //! A window on a baked scene, and on a scene while it is baked.
 //!
 //! It draws what a picture of `umbrage-picture` shows, with the same numbers for exposure, tone curve, sRGB and false
-//! colours, on a graphics processor (or on a driver that does its work): surfaces and lines into linear half floats with four
-//! samples a pixel, and then the mean of the samples as dithered sRGB codes. A scene is baked in a thread, into the same
-//! bytes as `umbrage bake` writes.
+//! colours, on a graphics processor (or on a driver that does its work): surfaces and lines into linear half floats
+//! with four samples a pixel, and then the mean of the samples as dithered sRGB codes. A scene is baked in a thread,
+//! into the same bytes as `umbrage bake` writes.
 //!
 //! | file | holds |
 //! |---|---|
@@ -19,8 +19,8 @@
 //! | `window`, `session`, `screen` | the window, the file that is open in it, and the scene on its screen |
 //! | `navigate`, `panel`, `controls`, `progress`, `legend`, `facts`, `save`, `dress` | hands, the panel and its parts |
 //!
-//! Holds: no text of a file and no driver makes it panic; what a graphics processor draws is within two codes of the picture,
-//! but for pixels at edges (`tests/agreement.rs`).
+//! Holds: no text of a file and no driver makes it panic; what a graphics processor draws is within two codes of the
+//! picture, but for pixels at edges (`tests/agreement.rs`).
 
 mod controls;
 mod draw;

@@ -1,7 +1,7 @@
 //! Opening a file: a baked one is read, a scene is baked first, in a thread of its own.
 //!
-//! Idea: a scene becomes the same bytes as `umbrage bake` writes, and these are read back, so that there is one way from a
-//! file to the screen, and what is shown is what would be saved.
+//! Idea: a scene becomes the same bytes as `umbrage bake` writes, and these are read back, so that there is one way
+//! from a file to the screen, and what is shown is what would be saved.
 //!
 //! Holds: nothing waits for a thread that was told to stop: its result is dropped; a cancelled bake leaves nothing.
 

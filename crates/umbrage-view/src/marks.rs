@@ -1,7 +1,7 @@
 //! Lines over the surfaces: d-segments, patches, and what was picked.
 //!
-//! Holds: lines lie on the front of their faces, relative to the file's origin; the patches of level 0 are the faces, and
-//! each level shows all cuts of the levels before.
+//! Holds: lines lie on the front of their faces, relative to the file's origin; the patches of level 0 are the faces,
+//! and each level shows all cuts of the levels before.
 
 use glam::DVec3;
 use umbrage::bake::Meshed;
@@ -41,7 +41,8 @@ impl Marker<'_> {
         mark(ends_m.map(|end| moved + end), self.meshed.prepared.normal(face), color, width_px)
     }
 
-    /// The d-segments of the degrees that are asked for, those that jump most last, so that they are drawn over the others.
+    /// The d-segments of the degrees that are asked for, those that jump most last, so that they are drawn over the
+    /// others.
     pub(crate) fn d_segments(&self, shown: [bool; 3]) -> Vec<Mark> {
         let mut marks = Vec::new();
         for degree in (0..3).rev().filter(|&degree| shown[degree]) {

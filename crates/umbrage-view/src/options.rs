@@ -16,7 +16,8 @@ pub struct LineArgs {
     /// Draw the edges of the triangles
     #[arg(long)]
     pub wireframe: bool,
-    /// Draw the d-segments (shadow edges) of a scene that is baked here: contacts and hard edges red, D1 orange, D2 blue
+    /// Draw the d-segments (shadow edges) of a scene that is baked here: contacts and hard edges red, D1 orange, D2
+    /// blue
     #[arg(long)]
     pub segments: bool,
     /// Draw the patches of a scene that is baked here, after so many splits of each face: 0 draws the faces

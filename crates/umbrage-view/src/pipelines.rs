@@ -23,8 +23,9 @@ pub(crate) const FINISHED: TextureFormat = TextureFormat::Rgba8Unorm;
 pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
 /// Triangles without any light are drawn as if they were farther away by what their depth changes over so many pixels,
-/// besides what `shader` says. Drivers round corners to a sixteenth of a pixel at worst, so that two lines that are one are
-/// 0.09 pixels apart at most; with more than this, what stands behind a black wall comes through where it meets the wall.
+/// besides what `shader` says. Drivers round corners to a sixteenth of a pixel at worst, so that two lines that are one
+/// are 0.09 pixels apart at most; with more than this, what stands behind a black wall comes through where it meets the
+/// wall.
 const DARK_FARTHER_PX: f32 = 0.125;
 
 /// The pipelines, and what their shaders take.

@@ -9,7 +9,8 @@ use umbrage::scene::Scene;
 
 use crate::marks::level_of;
 
-/// A point this far from a face still belongs to it, as a share of the scene's extent: what single precision leaves of it.
+/// A point this far from a face still belongs to it, as a share of the scene's extent: what single precision leaves of
+/// it.
 const BESIDE: f64 = 1e-5;
 /// Cosine of the angle by which a face and the triangle shown of it may differ.
 const SAME_WAY: f64 = 0.999;

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-/// The first name of `room-view-1.png`, `room-view-2.png`, ... (for `path` = `room.glb`) that is free, in the same folder.
+/// The first name of `room-view-1.png`, `room-view-2.png`, ... (for `path` = `room.glb`) that is free, in the same
+/// folder.
 pub(crate) fn free_name(path: &Path, what: &str, ending: &str) -> PathBuf {
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let mut number = 1u32;

@@ -1,5 +1,5 @@
-//! The file that is open in a window: it is opened, baked if it is a scene, and opened again when it changes, or what it is
-//! made of: buffers, images, material libraries, includes, the TOML beside it.
+//! The file that is open in a window: it is opened, baked if it is a scene, and opened again when it changes, or what
+//! it is made of: buffers, images, material libraries, includes, the TOML beside it.
 //!
 //! Holds: what is shown stays until something newer is there, whatever fails or is cancelled meanwhile.
 

@@ -1,5 +1,5 @@
-//! The shaders' text: the numbers of the module of colour as WGSL, put before each shader that uses them, so that window and
-//! pictures cannot have different ones.
+//! The shaders' text: the numbers of the module of colour as WGSL, put before each shader that uses them, so that
+//! window and pictures cannot have different ones.
 
 use std::fmt::Write;
 

@@ -1,10 +1,10 @@
 //! From where the scene is seen, and how hands move that.
 //!
-//! Idea: an eye, the direction in which it looks (yaw about +Y, pitch up), and the distance of the point around which it
-//! turns. Its right hand depends on yaw alone, so looking straight down or up is nothing special.
+//! Idea: an eye, the direction in which it looks (yaw about +Y, pitch up), and the distance of the point around which
+//! it turns. Its right hand depends on yaw alone, so looking straight down or up is nothing special.
 //!
-//! Holds: pitch stays within a right angle, the distance within reach of the scene; the page of `umbrage page` moves in the
-//! same way.
+//! Holds: pitch stays within a right angle, the distance within reach of the scene; the page of `umbrage page` moves in
+//! the same way.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -39,8 +39,8 @@ impl Viewpoint {
         view
     }
 
-    /// Turns to a point; `up` tells where a view straight down or up has its upper edge. A point in the eye itself changes
-    /// nothing.
+    /// Turns to a point; `up` tells where a view straight down or up has its upper edge. A point in the eye itself
+    /// changes nothing.
     pub(crate) fn look_at(&mut self, target_m: DVec3, up: DVec3) {
         let ahead = target_m - self.eye_m;
         let distance_m = ahead.length();

@@ -1,9 +1,9 @@
 //! Tells when files have changed, by asking.
 //!
-//! Idea: whoever saves a scene may write several files, each in several steps, and rename others over them; so a change counts
-//! when all have stayed the same from one question to the next, and the scene itself is there. What a scene is made of is
-//! known once it has been read; what was watched before keeps the state that it had before the reading, so that nothing that
-//! changes meanwhile is lost.
+//! Idea: whoever saves a scene may write several files, each in several steps, and rename others over them; so a change
+//! counts when all have stayed the same from one question to the next, and the scene itself is there. What a scene is
+//! made of is known once it has been read; what was watched before keeps the state that it had before the reading, so
+//! that nothing that changes meanwhile is lost.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

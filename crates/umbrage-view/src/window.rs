@@ -123,7 +123,8 @@ impl Window {
             Camera::looking(high + (high - low), 0.5 * (low + high), Camera::DEFAULT_FOV_DEG)
         });
         let mut view = Viewpoint::new(&camera);
-        // A camera of the file does not say what it turns around: what is in the middle of its picture, well in the scene.
+        // A camera of the file does not say what it turns around: what is in the middle of its picture, well in the
+        // scene.
         let known = self.options.camera.gives_target() || loaded.shown.file.cameras.is_empty();
         view.turn_around(0.5 * loaded.tables.size_m(), known);
         (self.view, self.begin) = (Some(view), Some(view));

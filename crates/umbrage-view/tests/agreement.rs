@@ -1,7 +1,7 @@
 //! What a graphics driver draws is what a picture of `umbrage-picture` shows.
 //!
-//! Skipped, with a line that says so, where there is no graphics driver at all; a driver without a graphics card (Mesa's
-//! llvmpipe) is as good.
+//! Skipped, with a line that says so, where there is no graphics driver at all; a driver without a graphics card
+//! (Mesa's llvmpipe) is as good.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stderr, reason = "a test that is skipped says so")]
@@ -35,9 +35,9 @@ const TOLERANCE: u8 = 2;
 const EDGE: u8 = 6;
 /// Share of the pixels that may differ all the same: single samples along contacts, too little to show as an edge.
 const SHARE: f64 = 1e-4;
-/// Lines are smoothed in their own ways: what is compared is the mean over squares of so many pixels, in codes. One line
-/// through a square makes about 3.5 codes; where lines are nearer than a pixel, a picture unites what lies over each other
-/// and the window mixes it, which may be two lines.
+/// Lines are smoothed in their own ways: what is compared is the mean over squares of so many pixels, in codes. One
+/// line through a square makes about 3.5 codes; where lines are nearer than a pixel, a picture unites what lies over
+/// each other and the window mixes it, which may be two lines.
 const SQUARE_PX: usize = 16;
 const LINE_TOLERANCE: f64 = 7.0;
 

@@ -86,7 +86,8 @@ fn a_furnace_glows_evenly() {
     assert!((squares / area).sqrt() / 2.0 < 0.01, "rms {}", (squares / area).sqrt() / 2.0);
 }
 
-/// The bytes of the baked file must not depend on how many threads made it: more than there are cores change who waits for whom.
+/// The bytes of the baked file must not depend on how many threads made it: more than there are cores change who waits
+/// for whom.
 fn holds_whatever_the_threads(scene: &Scene, tolerance: f64) {
     let shade = ShadeSettings { tolerance, ..ShadeSettings::default() };
     let settings = BakeSettings { shade, ..BakeSettings::default() };

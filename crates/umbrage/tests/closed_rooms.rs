@@ -31,8 +31,8 @@ fn mean(triangles: &[&Lit], of: impl Fn(f64) -> f64) -> f64 {
     triangles.iter().map(|t| t.area() * (0..3).map(|i| of(at(t, i))).sum::<f64>() / 3.0).sum::<f64>() / area
 }
 
-/// A cube of 4 m with 10,000 lm inside, by a cube of which all sides emit and reflect all: what it gives and what it sends
-/// back arrives at the walls, so that their mean irradiance is exact.
+/// A cube of 4 m with 10,000 lm inside, by a cube of which all sides emit and reflect all: what it gives and what it
+/// sends back arrives at the walls, so that their mean irradiance is exact.
 fn cie_5_8(rho: f64) -> Scene {
     let mut scene = Scene::default();
     add(&mut scene, Material::diffuse("wall", Rgb::splat(rho)), &room_faces(DVec3::ZERO, DVec3::splat(4.0)));
@@ -84,8 +84,8 @@ fn a_furnace_glows_evenly() {
 
 /// Ward's room (Ward, Rubinstein and Clear, *A ray tracing solution for diffuse interreflection*, 1988, in the form of
 /// 1990): 10 x 6 x 3 m, reflectances 0.7 above, 0.5 around, 0.3 below, a black lamp of 0.5 x 0.5 m in the middle of the
-/// ceiling. Radiosities by an independent solution with 3,456 patches and exact factors, which is good to about 1 % next to
-/// corners and 0.2 % elsewhere.
+/// ceiling. Radiosities by an independent solution with 3,456 patches and exact factors, which is good to about 1 %
+/// next to corners and 0.2 % elsewhere.
 fn wards_room() -> (Scene, DVec3) {
     let size = DVec3::new(10.0, 6.0, 3.0);
     let mut scene = Scene::default();
@@ -105,11 +105,12 @@ fn wards_room() -> (Scene, DVec3) {
     (scene, size)
 }
 
-/// What is asked for: the ten points are ten places of a mesh, most of them dim, where the default tolerance, of the mean light,
-/// allows 2 %.
+/// What is asked for: the ten points are ten places of a mesh, most of them dim, where the default tolerance, of the
+/// mean light, allows 2 %.
 const WARDS_TOLERANCE: f64 = 0.0015;
 
-/// Reflectance, place, normal, and radiosity in W/m2. The first is by a million paths, to 0.08 %: the solution has 0.01150.
+/// Reflectance, place, normal, and radiosity in W/m2. The first is by a million paths, to 0.08 %: the solution has
+/// 0.01150.
 const WARDS_POINTS: [(f64, [f64; 3], [f64; 3], f64); 10] = [
     (0.7, [0.25, 0.25, 3.0], [0.0, 0.0, -1.0], 0.01146),
     (0.7, [0.25, 2.75, 3.0], [0.0, 0.0, -1.0], 0.01555),

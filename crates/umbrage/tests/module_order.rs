@@ -1,9 +1,9 @@
-//! A module uses only modules that `lib.rs` declares before it: `id` and `progress` first, then the stages in the order of
-//! the pipeline.
+//! A module uses only modules that `lib.rs` declares before it: `id` and `progress` first, then the stages in the order
+//! of the pipeline.
 //!
-//! Idea: read the order from `lib.rs`, then read every source file as a stream of names and punctuation, follow the paths
-//! that begin with `crate`, `self` or `super`, groups in braces included, and see where in the crate they lead. It is
-//! no compiler: macros that build paths would escape it, and there are none.
+//! Idea: read the order from `lib.rs`, then read every source file as a stream of names and punctuation, follow the
+//! paths that begin with `crate`, `self` or `super`, groups in braces included, and see where in the crate they lead.
+//! It is no compiler: macros that build paths would escape it, and there are none.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

@@ -1,5 +1,5 @@
-//! Baking again from what a bake before left: the same bytes where nothing changed, the light of a bake from scratch where lamps
-//! or colours did, and a refusal where surfaces did.
+//! Baking again from what a bake before left: the same bytes where nothing changed, the light of a bake from scratch
+//! where lamps or colours did, and a refusal where surfaces did.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -58,8 +58,8 @@ fn material<'a>(scene: &'a mut Scene, name: &str) -> &'a mut umbrage::scene::Mat
     scene.materials.iter_mut().find(|material| material.name.contains(name)).unwrap()
 }
 
-/// Root mean square difference of two bakes at the centroids of the first one's triangles, weighted by area, and the difference of
-/// their means, over the mean.
+/// Root mean square difference of two bakes at the centroids of the first one's triangles, weighted by area, and the
+/// difference of their means, over the mean.
 fn difference(first: &Bake, second: &Bake) -> [f64; 2] {
     let (first, second) = (lit_triangles(&first.mesh), lit_triangles(&second.mesh));
     let [mean, other] = [&first, &second].map(|triangles| mean(triangles));
@@ -92,8 +92,8 @@ fn light_at(triangles: &[Lit], at: DVec3, normal: DVec3) -> DVec3 {
     weights(best).into_iter().zip(best.irradiance).map(|(weight, light)| weight * light).sum()
 }
 
-/// A bake again must show what one from scratch does, and both err by less than the tolerance; and the light must have changed by much
-/// more than that, or nothing would be shown.
+/// A bake again must show what one from scratch does, and both err by less than the tolerance; and the light must have
+/// changed by much more than that, or nothing would be shown.
 fn assert_like_afresh(scene: &Scene, (before, kept): &(Bake, Kept), change: Change) {
     let (baked, told) = again(scene, kept);
     assert_eq!(told, change);

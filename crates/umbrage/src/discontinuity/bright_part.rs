@@ -1,9 +1,10 @@
 //! Bright parts of surfaces: the spot of a lamp on a ceiling, a patch of sun on a floor.
 //!
-//! A bright part is bounded by shadows, not by edges of faces, and may lie on several faces of one surface. Once the light is solved, the
-//! patches that are not split tell where it lies: those which reflect at least half of what they reflect where a watt of
-//! the surface comes from on the mean. Touching ones of them are one part. It counts if it is even, fills most of its convex hull and leaves
-//! a good deal of the surface dark; the hull is then a source of what the part reflects over the rest of the surface.
+//! A bright part is bounded by shadows, not by edges of faces, and may lie on several faces of one surface. Once the
+//! light is solved, the patches that are not split tell where it lies: those which reflect at least half of what they
+//! reflect where a watt of the surface comes from on the mean. Touching ones of them are one part. It counts if it is
+//! even, fills most of its convex hull and leaves a good deal of the surface dark; the hull is then a source of what
+//! the part reflects over the rest of the surface.
 
 use std::collections::BTreeMap;
 
@@ -15,15 +16,16 @@ use crate::id::{FaceId, Table, VertexId};
 use crate::prepare::Prepared;
 use crate::scene::Rgb;
 
-/// Of what the surface's light is reflected with on the mean, by power, a bright patch reflects at least this share: where the border
-/// of a part fades, half is where it fades fastest.
+/// Of what the surface's light is reflected with on the mean, by power, a bright patch reflects at least this share:
+/// where the border of a part fades, half is where it fades fastest.
 const BRIGHT_SHARE: f64 = 0.5;
 /// A part that covers more than this share of its surface ends where the surface ends: nothing is told apart.
 const NEARLY_WHOLE: f64 = 0.75;
 /// A part that fills less than this share of its convex hull, a ring or a thin angle, has other shadows than the hull.
 const LEAST_FILLED: f64 = 0.5;
-/// A part whose radiosity departs from its mean by more than this share, as root mean square, fades towards its border, which is then none:
-/// cuts along shadows in the light of a spot with a soft cone (0.25) cost triangles and save none, a hard one (0.15) is even enough.
+/// A part whose radiosity departs from its mean by more than this share, as root mean square, fades towards its border,
+/// which is then none: cuts along shadows in the light of a spot with a soft cone (0.25) cost triangles and save none,
+/// a hard one (0.15) is even enough.
 const MOST_UNEVEN: f64 = 0.2;
 /// The outline of a part has at most so many corners: each casts lines of its own, and light that fades has none.
 const MOST_CORNERS: usize = 8;
@@ -35,7 +37,8 @@ const LEAST_CORNER: f64 = 0.01;
 pub struct Reflecting {
     /// The face that it is a part of.
     pub face: FaceId,
-    /// Its boundary points, those that neighbours made included, counter-clockwise: vertices of the mesh and where they are, in metres.
+    /// Its boundary points, those that neighbours made included, counter-clockwise: vertices of the mesh and where they
+    /// are, in metres.
     pub boundary: Vec<(VertexId, DVec3)>,
     /// Mean radiosity by reflection, in W/m2.
     pub reflected: Rgb,
@@ -80,8 +83,8 @@ pub(super) struct PartlyBright {
     pub(super) rest_w: f64,
 }
 
-/// The surfaces on which parts reflect at least `least` more than the rest, in W/m2 over the three colours, in the order of
-/// their first faces.
+/// The surfaces on which parts reflect at least `least` more than the rest, in W/m2 over the three colours, in the
+/// order of their first faces.
 pub(super) fn partly_bright(prepared: &Prepared, patches: &[Reflecting], least: f64) -> Vec<PartlyBright> {
     let mut on_face: Table<FaceId, Vec<Lit<'_>>> = prepared.faces.iter().map(|_| Vec::new()).collect();
     for patch in patches {

@@ -1,9 +1,9 @@
 //! The image around a vertex: what an eye sees of the faces that meet there, as steps of brightness between rays.
 //!
 //! Seen from a point, the faces at a vertex are sectors around its image, bounded by the images of their edges. Where a
-//! sector begins or ends, what is seen jumps: from lit to unlit for a source, from open to blocked for an occluder. These
-//! steps are all that an edge-vertex or vertex-edge event needs to know of a vertex, however many faces meet there,
-//! convex or not, closed or open, touching one another or not.
+//! sector begins or ends, what is seen jumps: from lit to unlit for a source, from open to blocked for an occluder.
+//! These steps are all that an edge-vertex or vertex-edge event needs to know of a vertex, however many faces meet
+//! there, convex or not, closed or open, touching one another or not.
 //!
 //! ```text
 //!          edge                 A line at the distance w from the vertex, with the normal m, cuts a ray with the slope

@@ -43,8 +43,8 @@ pub enum Event {
         /// The emitter.
         emitter: EmitterId,
     },
-    /// The plane of an occluder's faces cuts an emitter: where the plane meets the receiver, the occluder is seen edge-on,
-    /// and another of its edges becomes the silhouette.
+    /// The plane of an occluder's faces cuts an emitter: where the plane meets the receiver, the occluder is seen
+    /// edge-on, and another of its edges becomes the silhouette.
     OccluderPlane {
         /// The emitter.
         emitter: EmitterId,
@@ -146,9 +146,9 @@ impl DSegment {
         self.face.cmp(&other.face).then(self.event.cmp(&other.event))
     }
 
-    /// The part of an edge that makes this segment: in a vertex-edge or edge-vertex event where the rays to its two ends pass the
-    /// event's edge, in one of three edges where they leave the source's, as shares of the edge from its first end,
-    /// ascending. The rest of the edge is hidden, or casts on other faces. `None` for all other events.
+    /// The part of an edge that makes this segment: in a vertex-edge or edge-vertex event where the rays to its two
+    /// ends pass the event's edge, in one of three edges where they leave the source's, as shares of the edge from its
+    /// first end, ascending. The rest of the edge is hidden, or casts on other faces. `None` for all other events.
     pub fn visible_interval(&self, prepared: &Prepared) -> Option<[f64; 2]> {
         let (vertex, edge) = match self.event {
             Event::VertexEdge { source, occluder, .. } => (source, occluder),

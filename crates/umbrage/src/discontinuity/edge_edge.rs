@@ -1,8 +1,8 @@
-//! A source edge and an occluder edge in one plane: where the plane meets the receiver, the occluder edge lies upon the source
-//! edge, and the slope of irradiance jumps (degree 1).
+//! A source edge and an occluder edge in one plane: where the plane meets the receiver, the occluder edge lies upon the
+//! source edge, and the slope of irradiance jumps (degree 1).
 //!
-//! In buildings most edges are parallel to others, so this is the common case and the strongest. All EV and VE wedges of the
-//! two edges lie in their plane; one event stands for them.
+//! In buildings most edges are parallel to others, so this is the common case and the strongest. All EV and VE wedges
+//! of the two edges lie in their plane; one event stands for them.
 
 use super::features::Surroundings;
 use super::in_plane::InPlane;

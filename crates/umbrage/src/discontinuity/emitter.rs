@@ -1,8 +1,10 @@
-//! Polygonal emitters: touching coplanar faces of one radiance, and the outline of their union; or a convex part of such faces.
+//! Polygonal emitters: touching coplanar faces of one radiance, and the outline of their union; or a convex part of
+//! such faces.
 //!
-//! Events come from the outline of the whole emitter, never from the inner edges of its convex pieces. A part of faces has an outline
-//! of its own: its corners and edges are numbered after those of the faces, and no face lies along them. It lies a hair in front of
-//! its faces, which are plane but for the rounding of their vertices: so none of them hides it.
+//! Events come from the outline of the whole emitter, never from the inner edges of its convex pieces. A part of faces
+//! has an outline of its own: its corners and edges are numbered after those of the faces, and no face lies along them.
+//! It lies a hair in front of its faces, which are plane but for the rounding of their vertices: so none of them hides
+//! it.
 
 use glam::DVec3;
 
@@ -41,8 +43,8 @@ impl Emitter {
         self.radiance.element_sum() / 3.0
     }
 
-    /// A convex part of touching faces of one plane; `corners_m` are counter-clockwise seen from the front. Adds its corners and its
-    /// outline to the vertices and edges.
+    /// A convex part of touching faces of one plane; `corners_m` are counter-clockwise seen from the front. Adds its
+    /// corners and its outline to the vertices and edges.
     pub(super) fn of_part(prepared: &mut Prepared, faces: Vec<FaceId>, corners_m: &[DVec3], radiance: Rgb) -> Self {
         let plane = prepared.oriented_plane(faces[0]);
         let in_front_m = IN_FRONT_OF_FACES * prepared.tolerance.coplanar_m();
@@ -65,7 +67,8 @@ impl Emitter {
     }
 }
 
-/// Groups of touching faces that lie in one plane, look the same way and are alike, in the order of their first faces; each ascends.
+/// Groups of touching faces that lie in one plane, look the same way and are alike, in the order of their first faces;
+/// each ascends.
 pub(super) fn groups(prepared: &Prepared, alike: impl Fn(FaceId, FaceId) -> bool) -> Vec<Vec<FaceId>> {
     let mut groups = Vec::new();
     let mut taken: Table<FaceId, bool> = prepared.faces.iter().map(|_| false).collect();

@@ -113,8 +113,9 @@ impl Surroundings<'_> {
         self.features.receives[face] && self.prepared.oriented_plane(face).signed_distance_m(eye) > self.coplanar_m()
     }
 
-    /// The plane of two edges, if they have one: where one of the four ends is nearer to the plane of the other three than
-    /// the coplanar tolerance. A short edge says little of a plane, so it is the ends that count and not the angle.
+    /// The plane of two edges, if they have one: where one of the four ends is nearer to the plane of the other three
+    /// than the coplanar tolerance. A short edge says little of a plane, so it is the ends that count and not the
+    /// angle.
     pub(super) fn common_plane(&self, one: [DVec3; 2], other: [DVec3; 2]) -> Option<Plane> {
         let corners = [one[0], one[1], other[0], other[1]];
         let volume = (one[1] - one[0]).cross(other[0] - one[0]).dot(other[1] - one[0]);

@@ -1,8 +1,8 @@
 //! Finds all d-segments of a scene: the preprocessing step of the meshing algorithm (paper, section 4).
 //!
-//! Every feature of a source is paired with every feature of an occluder; most pairs are dismissed by a look at their own
-//! geometry, the others are traced. Pairs are numbered and dealt out in equal parts, traced in parallel, and what they find
-//! is gathered in the order of their numbers, so that the result does not depend on threads.
+//! Every feature of a source is paired with every feature of an occluder; most pairs are dismissed by a look at their
+//! own geometry, the others are traced. Pairs are numbered and dealt out in equal parts, traced in parallel, and what
+//! they find is gathered in the order of their numbers, so that the result does not depend on threads.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -40,8 +40,8 @@ impl Discontinuities {
     }
 }
 
-/// Calculates all discontinuity segments, but for those that change irradiance by less than `least_share` of its mean over
-/// the width of their face: nothing would be seen of them. 0 keeps all, and those of degree 0 are always kept.
+/// Calculates all discontinuity segments, but for those that change irradiance by less than `least_share` of its mean
+/// over the width of their face: nothing would be seen of them. 0 keeps all, and those of degree 0 are always kept.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.
@@ -62,8 +62,8 @@ pub fn find(
     Ok(Discontinuities { emitters: features.emitters, segments: segments.into(), wedges })
 }
 
-/// The d-segments of all pairs of features that change irradiance by at least `least`, in W/m2, over the width of their face; and
-/// how many wedges were traced.
+/// The d-segments of all pairs of features that change irradiance by at least `least`, in W/m2, over the width of their
+/// face; and how many wedges were traced.
 pub(super) fn traced(
     prepared: &Prepared,
     visibility: &Visibility,
@@ -95,8 +95,8 @@ fn with_strength(around: &Surroundings<'_>, segment: DSegment) -> DSegment {
     DSegment { strength, ..segment }
 }
 
-/// What emitters and lamps give to all faces together over their area, in W/m2: the mean of irradiance, if all light stays in the
-/// scene and is reflected by little. Distant lamps have no flux of their own, and count for nothing.
+/// What emitters and lamps give to all faces together over their area, in W/m2: the mean of irradiance, if all light
+/// stays in the scene and is reflected by little. Distant lamps have no flux of their own, and count for nothing.
 fn mean_irradiance(prepared: &Prepared, features: &Features) -> f64 {
     let area_m2: f64 = prepared.faces.keys().map(|face| polygon::area_m2(&prepared.polygon_m(face))).sum();
     let flux = |emitter: &Emitter| std::f64::consts::PI * emitter.mean_radiance() * emitter.area_m2;

@@ -1,8 +1,8 @@
 //! Shadow edges of lamps: the light of a point or of a distant lamp jumps where an occluder's edge passes before it
 //! (degree 0).
 //!
-//! A lamp and an edge of an occluder span a plane, in which the edge's shadow is traced like a wedge of an event: from a point
-//! the rays of a wedge, from a distant lamp a strip of parallel ones.
+//! A lamp and an edge of an occluder span a plane, in which the edge's shadow is traced like a wedge of an event: from
+//! a point the rays of a wedge, from a distant lamp a strip of parallel ones.
 
 use glam::DVec3;
 
@@ -14,8 +14,8 @@ use super::{DSegment, Degree, Event};
 use crate::geometry::Plane;
 use crate::id::{FaceId, LampId};
 
-/// A strip of parallel rays past an edge. Direction `s` is the place along the edge, 0 to 1; nearness falls from 1 on the edge
-/// to 0 at `reach_m`, linearly, so that straight pieces are straight in both.
+/// A strip of parallel rays past an edge. Direction `s` is the place along the edge, 0 to 1; nearness falls from 1 on
+/// the edge to 0 at `reach_m`, linearly, so that straight pieces are straight in both.
 struct Strip {
     from: DVec3,
     along: DVec3,

@@ -1,12 +1,12 @@
 //! Merging of coincident d-segments, by their origin: parts of one event on one face that overlap become one.
 //!
-//! The pencils of two coplanar edges share a plane, and so do those of a source's plane and an occluder's; their segments on
-//! a face lie on one line. Equal origin says so, no coordinate has to.
+//! The pencils of two coplanar edges share a plane, and so do those of a source's plane and an occluder's; their
+//! segments on a face lie on one line. Equal origin says so, no coordinate has to.
 
 use super::DSegment;
 
-/// Sorts by face and event and unites segments of the same face and event that overlap or touch within `gap_m`. They have
-/// no strength yet, and get none.
+/// Sorts by face and event and unites segments of the same face and event that overlap or touch within `gap_m`. They
+/// have no strength yet, and get none.
 pub(super) fn merge(mut segments: Vec<DSegment>, gap_m: f64) -> Vec<DSegment> {
     if segments.len() < 2 {
         return segments;

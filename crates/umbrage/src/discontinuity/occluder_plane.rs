@@ -1,8 +1,8 @@
 //! The plane of an occluder's face that cuts an emitter: where the plane meets the receiver, the face is seen edge-on.
 //!
-//! On one side of the plane the far edge of the face is the silhouette, on the other side the near one. Both lie upon the
-//! same line of the emitter when the eye passes the plane, but move at different speeds: the slope of irradiance jumps
-//! (degree 1). A thin plate hides nothing when it is seen edge-on, and something to both sides.
+//! On one side of the plane the far edge of the face is the silhouette, on the other side the near one. Both lie upon
+//! the same line of the emitter when the eye passes the plane, but move at different speeds: the slope of irradiance
+//! jumps (degree 1). A thin plate hides nothing when it is seen edge-on, and something to both sides.
 
 use glam::DVec3;
 use smallvec::SmallVec;

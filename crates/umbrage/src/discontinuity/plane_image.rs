@@ -1,19 +1,20 @@
 //! What an eye in a plane sees of all that lies in the plane, or touches it: how the slope jumps there (degree 1).
 //!
-//! All of it is seen upon one line, a line of a source in the plane. When the eye leaves the plane by `e`, what is at nearness
-//! `n` moves against the source's line, at nearness 1, by `-e (n - 1)`, in proportion. So for each direction in the plane the
-//! image beside the line is a matter of intervals of `n`:
-//! - a face that touches the plane from its front hides, for `e > 0`, all with `n` below its own, since that is where its
-//!   inside is seen, and for `e < 0` all above; one that touches from the back the reverse. Of several the farthest counts;
+//! All of it is seen upon one line, a line of a source in the plane. When the eye leaves the plane by `e`, what is at
+//! nearness `n` moves against the source's line, at nearness 1, by `-e (n - 1)`, in proportion. So for each direction
+//! in the plane the image beside the line is a matter of intervals of `n`:
+//! - a face that touches the plane from its front hides, for `e > 0`, all with `n` below its own, since that is where
+//!   its inside is seen, and for `e < 0` all above; one that touches from the back the reverse. Of several the farthest
+//!   counts;
 //! - a face in the plane hides its own interval, on both sides.
 //!
 //! ```text
 //!   e > 0     1 ====front====| P      visible      M |====back==== infinity
 //! ```
 //!
-//! What is seen of both sides more or less than from the plane itself is by how much the slope jumps. Where boards of a shelf have
-//! their fronts in one plane, this is more than the sum of what each would do alone: between them, too, one moves against
-//! the other.
+//! What is seen of both sides more or less than from the plane itself is by how much the slope jumps. Where boards of a
+//! shelf have their fronts in one plane, this is more than the sum of what each would do alone: between them, too, one
+//! moves against the other.
 
 use glam::DVec3;
 use smallvec::SmallVec;
@@ -72,8 +73,8 @@ impl PlaneImage {
         radiance[0] * front + radiance[1] * back
     }
 
-    /// How much more is seen in direction `s` when the eye leaves the plane to its front (0) or its back (1), of the part beside
-    /// the line that nearer things move over.
+    /// How much more is seen in direction `s` when the eye leaves the plane to its front (0) or its back (1), of the
+    /// part beside the line that nearer things move over.
     fn gain(&self, s: f64, side: usize) -> f64 {
         let nearness = |pieces: &[Piece]| -> Option<[f64; 2]> {
             let here = pieces.iter().filter(|piece| piece.s[0] < s && s < piece.s[1]).map(|piece| piece.nearness_at(s));

@@ -1,15 +1,16 @@
 //! Roots of short polynomials between 0 and 1.
 //!
 //! The roots of the derivative divide the interval into parts on which the polynomial is monotone; each part whose ends
-//! differ in sign holds one root, which bisection finds to the last bit. Roots without a change of sign are none: nothing
-//! begins or ends there.
+//! differ in sign holds one root, which bisection finds to the last bit. Roots without a change of sign are none:
+//! nothing begins or ends there.
 
 use smallvec::SmallVec;
 
 /// Halvings that take an interval of length 1 to rounding.
 const HALVINGS: usize = 54;
 
-/// The roots between 0 and 1 at which a polynomial with these coefficients, of ascending powers, changes sign; ascending.
+/// The roots between 0 and 1 at which a polynomial with these coefficients, of ascending powers, changes sign;
+/// ascending.
 pub(super) fn roots(coefficients: &[f64]) -> SmallVec<[f64; 4]> {
     let value = |t: f64| coefficients.iter().rev().fold(0.0, |sum, c| sum * t + c);
     let mut ends: SmallVec<[f64; 6]> = SmallVec::from_slice(&[0.0]);

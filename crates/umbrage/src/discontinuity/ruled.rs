@@ -1,9 +1,10 @@
 //! The rays that pass three straight edges in general position: one line of a source and two of occluders.
 //!
-//! From each point of the source line goes one line that meets both others; together they rule a quadric. With `t` from 0
-//! to 1 along the source line, the planes through its point and the two occluder lines turn linearly in their normals, so
-//! that the direction of the ray is a polynomial of degree 2, and where the ray meets another edge is a root of one of
-//! degree 3. Between such roots nothing changes but by straight motion: visibility is again a matter of intervals.
+//! From each point of the source line goes one line that meets both others; together they rule a quadric. With `t` from
+//! 0 to 1 along the source line, the planes through its point and the two occluder lines turn linearly in their
+//! normals, so that the direction of the ray is a polynomial of degree 2, and where the ray meets another edge is a
+//! root of one of degree 3. Between such roots nothing changes but by straight motion: visibility is again a matter of
+//! intervals.
 //!
 //! ```text
 //!   s(0) ----- s(t) ------ s(1)   source line

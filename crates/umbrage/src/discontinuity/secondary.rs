@@ -1,9 +1,10 @@
 //! Secondary sources: faces and parts of faces that reflect so much light that the shadows in it can be seen.
 //!
-//! After a first solution, a face that reflects much more than others is a source like any other: its outline casts EV and VE
-//! events past occluders, and where they fall indirect light bends. So does the outline of a part that is much brighter than the rest
-//! of its surface (`bright_part`). Their radiance is not quite even, so degree and strength are those of its mean; what is cut along them is the mesh that indirect light is gathered on and the one that is shown, both of which
-//! find out by themselves what a cut is worth.
+//! After a first solution, a face that reflects much more than others is a source like any other: its outline casts EV
+//! and VE events past occluders, and where they fall indirect light bends. So does the outline of a part that is much
+//! brighter than the rest of its surface (`bright_part`). Their radiance is not quite even, so degree and strength are
+//! those of its mean; what is cut along them is the mesh that indirect light is gathered on and the one that is shown,
+//! both of which find out by themselves what a cut is worth.
 //!
 //! In a room that is lit evenly nothing is much brighter than the mean, and there are none.
 
@@ -18,15 +19,15 @@ use crate::progress::{Cancelled, Progress};
 use crate::scene::{Rgb, Scene};
 use crate::visibility::Visibility;
 
-/// A face is a secondary source if its radiosity by reflection is at least so many times the mean of all, and so is a part of a surface
-/// by what it reflects over the rest.
+/// A face is a secondary source if its radiosity by reflection is at least so many times the mean of all, and so is a
+/// part of a surface by what it reflects over the rest.
 const BRIGHT: f64 = 4.0;
 /// Of more sources the brightest are taken, by power.
 const MOST_SOURCES: usize = 32;
 
-/// The d-segments of what reflects much, given all patches that are not split: those that change irradiance by at least `least`, in
-/// W/m2, over the width of their face, and those of parts much more. Events of a part of a face name vertices and edges that the
-/// prepared faces do not have.
+/// The d-segments of what reflects much, given all patches that are not split: those that change irradiance by at least
+/// `least`, in W/m2, over the width of their face, and those of parts much more. Events of a part of a face name
+/// vertices and edges that the prepared faces do not have.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.

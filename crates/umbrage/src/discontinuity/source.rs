@@ -44,8 +44,8 @@ impl SourceEdge {
         self.beside.iter().map(|face| face.normal)
     }
 
-    /// By how much radiance steps across the edge, as it is seen from `eye_m` before a background that emits `behind`. Faces
-    /// whose plane is within `slack_m` of the eye are seen edge-on.
+    /// By how much radiance steps across the edge, as it is seen from `eye_m` before a background that emits `behind`.
+    /// Faces whose plane is within `slack_m` of the eye are seen edge-on.
     pub(super) fn step(&self, eye_m: DVec3, slack_m: f64, behind: Rgb) -> Rgb {
         let [left, right] = self.sides(self.across(eye_m), eye_m, slack_m, behind);
         right - left
@@ -56,8 +56,8 @@ impl SourceEdge {
         (self.ends_m[1] - self.ends_m[0]).cross(eye_m - self.ends_m[0]).normalize_or_zero()
     }
 
-    /// The radiance on both sides of the edge, as [`Self::step`] sees it: behind a plane through edge and eye with the normal
-    /// `across`, and in front of it.
+    /// The radiance on both sides of the edge, as [`Self::step`] sees it: behind a plane through edge and eye with the
+    /// normal `across`, and in front of it.
     pub(super) fn sides(&self, across: DVec3, eye_m: DVec3, slack_m: f64, behind: Rgb) -> [Rgb; 2] {
         let [from, to] = self.ends_m;
         let to_eye = eye_m - from;

@@ -1,8 +1,8 @@
 //! The event of the source's own plane: irradiance grows from zero with the depth below it (degree 1).
 //!
 //! A one-sided source below a ceiling cuts every wall in a line. What sees the source edge-on is reached by rays in its
-//! plane from its corners, traced like a wedge a quarter turn at a time, and from its edges past the ends of what stands
-//! in the plane.
+//! plane from its corners, traced like a wedge a quarter turn at a time, and from its edges past the ends of what
+//! stands in the plane.
 
 use super::features::Surroundings;
 use super::wedge::Wedge;

@@ -1,13 +1,13 @@
 //! How much jumps across a d-segment, at a point of it: exactly, from the geometry of its event.
 //!
-//! An eye at the receiver point `x` sees lines at the distance `r` (source) and `d` (occluder) along one ray. When it moves
-//! across the segment by `delta`, whose angle with the event's plane has the sine `sin`, the lines move against each other
-//! in the image by the angle `delta sin (1/d - 1/r)`. Irradiance is radiance times the cosine at the receiver, summed over
-//! the solid angle that is seen. So there jumps
-//! - behind two lines in one plane (degree 1) the slope, by the sum of radiance, cosine and that speed over the angle in
-//!   which the lines are seen upon one another (`plane_image`);
-//! - behind a corner and a line (degree 2) the curvature, by radiance, cosine, that speed squared, and the jump of slope
-//!   of the corner's image (`corner`);
+//! An eye at the receiver point `x` sees lines at the distance `r` (source) and `d` (occluder) along one ray. When it
+//! moves across the segment by `delta`, whose angle with the event's plane has the sine `sin`, the lines move against
+//! each other in the image by the angle `delta sin (1/d - 1/r)`. Irradiance is radiance times the cosine at the
+//! receiver, summed over the solid angle that is seen. So there jumps
+//! - behind two lines in one plane (degree 1) the slope, by the sum of radiance, cosine and that speed over the angle
+//!   in which the lines are seen upon one another (`plane_image`);
+//! - behind a corner and a line (degree 2) the curvature, by radiance, cosine, that speed squared, and the jump of
+//!   slope of the corner's image (`corner`);
 //! - behind three lines (degree 2) the curvature (`strength_of_three`);
 //! - in the source's plane the slope, by the sum of radiance and cosine over `r3` and the area that is seen;
 //! - behind a lamp without extent (degree 0) the value, by all that it brings;
@@ -54,11 +54,11 @@ const MISSED_KINK: f64 = 1.0 / 32.0;
 /// greatest difference of `x |x|` and a multiple of `x` is `3 - 2 sqrt(2)`, an eighth of which counts.
 const MISSED_CURVATURE: f64 = 0.021_447;
 
-/// A d-segment in the light of a part of a face must change so many times as much as another to count. That light is soft, and
-/// refinement finds its weak shadows with fewer triangles than cuts cost (measured: `docs/events.md`).
+/// A d-segment in the light of a part of a face must change so many times as much as another to count. That light is
+/// soft, and refinement finds its weak shadows with fewer triangles than cuts cost (measured: `docs/events.md`).
 const PART_OF_FACE: f64 = 20.0;
-/// One of degree 2 besides so many times as much as all light of the part, if its curvature went on over the width of the face: then the
-/// penumbra is less than a hundredth of the face wide, and a line to most triangles.
+/// One of degree 2 besides so many times as much as all light of the part, if its curvature went on over the width of
+/// the face: then the penumbra is less than a hundredth of the face wide, and a line to most triangles.
 const NARROW: f64 = 500.0;
 
 /// The receiver at a point of a d-segment.
@@ -110,8 +110,8 @@ impl Surroundings<'_> {
         jump.abs().element_sum() / 3.0
     }
 
-    /// By how much irradiance errs, in W/m2, if it is taken to be smooth over the whole face of a d-segment: what the strength
-    /// does over the width of the face.
+    /// By how much irradiance errs, in W/m2, if it is taken to be smooth over the whole face of a d-segment: what the
+    /// strength does over the width of the face.
     pub(super) fn effect(&self, segment: &DSegment) -> f64 {
         let plane = self.prepared.oriented_plane(segment.face);
         let across = plane.normal.cross((segment.ends_m[1] - segment.ends_m[0]).normalize_or_zero());
@@ -126,8 +126,8 @@ impl Surroundings<'_> {
         }
     }
 
-    /// Whether a d-segment changes irradiance by at least `least`, in W/m2, over the width of its face; of a part of a face it must be
-    /// more, and where it is of degree 2 the penumbra must be narrow.
+    /// Whether a d-segment changes irradiance by at least `least`, in W/m2, over the width of its face; of a part of a
+    /// face it must be more, and where it is of degree 2 the penumbra must be narrow.
     pub(super) fn counts(&self, segment: &DSegment, least: f64) -> bool {
         let effect = self.effect(segment);
         let emitter = segment.event.emitter().map(|id| &self.features.emitters[id]);
@@ -196,8 +196,8 @@ impl Surroundings<'_> {
         emitter.radiance * sum
     }
 
-    /// By how much the slope of irradiance grows in the plane of a source of unit radiance with these corners; whether a face stands upon
-    /// a side is told by the number of the side.
+    /// By how much the slope of irradiance grows in the plane of a source of unit radiance with these corners; whether
+    /// a face stands upon a side is told by the number of the side.
     fn grows_beside(&self, receiver: &Receiver, corners: &[DVec3], stands_on: impl Fn(FaceId, usize) -> bool) -> f64 {
         let (inside, n) = (polygon::centroid(corners), corners.len());
         let mut sum = 0.0;
@@ -225,8 +225,8 @@ impl Surroundings<'_> {
         sum
     }
 
-    /// At a contact: what the emitters before the receiver give unhindered, each as a disc of its area that is seen from its
-    /// middle.
+    /// At a contact: what the emitters before the receiver give unhindered, each as a disc of its area that is seen
+    /// from its middle.
     fn of_contact(&self, receiver: &Receiver) -> Rgb {
         self.features.emitters.iter().map(|emitter| unhindered(receiver, emitter)).sum()
     }
@@ -304,8 +304,8 @@ impl View {
         lines.filter_map(|ends| self.wedge.piece(FaceId::from(0), Crossing::Through, ends)).collect()
     }
 
-    /// The sum over the angle in which the line is seen of cosine, speed and `factor(direction)`, which is smooth between
-    /// `ends`; the speed is that of a line at nearness `factor + 1` against this one.
+    /// The sum over the angle in which the line is seen of cosine, speed and `factor(direction)`, which is smooth
+    /// between `ends`; the speed is that of a line at nearness `factor + 1` against this one.
     pub(super) fn sum(&self, receiver: &Receiver, factor: impl Fn(f64) -> f64, ends: &[f64]) -> f64 {
         let [u, v] = self.wedge.rays;
         let mut cuts: SmallVec<[f64; 16]> = (0..=PARTS).map(|i| i as f64 / PARTS as f64).collect();

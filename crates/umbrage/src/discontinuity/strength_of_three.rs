@@ -1,11 +1,11 @@
 //! How much the curvature jumps where three edges pass through one point of what the eye sees.
 //!
-//! In the image, the lines have the unit normals `n1, n2, n3` and move by `c1, c2, c3` across themselves. Before they meet
-//! in a point they bound a triangle, and after it one that is turned over, of area `c^2 / |2 D12 D23 D31|` with
-//! `Dij = ni x nj` and `c = c1 D23 + c2 D31 + c3 D12`. One of both triangles is seen differently than smooth
-//! motion would have it, whatever sides the three lines hide. So the second derivative jumps by the step of radiance across
-//! the source's line, times the cosine, times `c'^2 / |D12 D23 D31|`. A line at the distance `r` moves by `n / r` times the
-//! eye's step.
+//! In the image, the lines have the unit normals `n1, n2, n3` and move by `c1, c2, c3` across themselves. Before they
+//! meet in a point they bound a triangle, and after it one that is turned over, of area `c^2 / |2 D12 D23 D31|` with
+//! `Dij = ni x nj` and `c = c1 D23 + c2 D31 + c3 D12`. One of both triangles is seen differently than smooth motion
+//! would have it, whatever sides the three lines hide. So the second derivative jumps by the step of radiance across
+//! the source's line, times the cosine, times `c'^2 / |D12 D23 D31|`. A line at the distance `r` moves by `n / r` times
+//! the eye's step.
 
 use glam::DVec3;
 

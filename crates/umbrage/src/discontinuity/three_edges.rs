@@ -1,10 +1,11 @@
-//! Events of three edges (EEE): an edge of the source and two edges of occluders, no two of which lie in one plane, pass
-//! through one point of what the eye sees (Heckbert 1992; Drettakis and Fiume 1994).
+//! Events of three edges (EEE): an edge of the source and two edges of occluders, no two of which lie in one plane,
+//! pass through one point of what the eye sees (Heckbert 1992; Drettakis and Fiume 1994).
 //!
 //! On the receiver they are pieces of conics, here polylines of chords, each a d-segment of degree 2 of its own.
 //!
-//! For every emitter and every edge that may be passed last, the edges are asked that reach into the hull of both: few, since
-//! rays between them pass little. Of those three edges the rays are an interval of the source edge, or several (`ruled`).
+//! For every emitter and every edge that may be passed last, the edges are asked that reach into the hull of both: few,
+//! since rays between them pass little. Of those three edges the rays are an interval of the source edge, or several
+//! (`ruled`).
 
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
@@ -30,7 +31,8 @@ const MOST_HALVINGS: u32 = 6;
 const SHORTEST: f64 = 1e-9;
 /// Emitters with more corners are bounded by a rectangle: the planes of a hull grow with the square of its corners.
 const MOST_CORNERS: usize = 6;
-/// What a ray passes within this share of its way to the last edge from where it starts, or from that edge, is passed there.
+/// What a ray passes within this share of its way to the last edge from where it starts, or from that edge, is passed
+/// there.
 const SAME_PLACE: f64 = 1e-7;
 
 impl Surroundings<'_> {
@@ -85,8 +87,8 @@ impl Surroundings<'_> {
             .collect()
     }
 
-    /// Whether an edge hides one side only as seen from some point between these: the edge of a body does not where all of them
-    /// are in front of both of its faces, or behind both.
+    /// Whether an edge hides one side only as seen from some point between these: the edge of a body does not where all
+    /// of them are in front of both of its faces, or behind both.
     fn may_be_silhouette(&self, edge: &OccluderEdge, corners: &[DVec3]) -> bool {
         let faces: SmallVec<[FaceId; 4]> = edge.faces().collect();
         let [one, other] = faces.as_slice() else { return true };
@@ -128,8 +130,8 @@ impl Surroundings<'_> {
         planes
     }
 
-    /// The event of three edges, the last of which is nearest to the receiver, where of the emitters along the source's edge this
-    /// is the first that is turned to the receiver.
+    /// The event of three edges, the last of which is nearest to the receiver, where of the emitters along the source's
+    /// edge this is the first that is turned to the receiver.
     fn three(&self, id: EmitterId, source: &SourceEdge, nearer: &OccluderEdge, last: &OccluderEdge) -> Vec<DSegment> {
         let ruled = Ruled { source: source.ends_m, nearer: nearer.ends_m, last: last.ends_m };
         if ruled.is_empty()
@@ -275,14 +277,16 @@ impl Surroundings<'_> {
     }
 }
 
-/// An interval without its ends where there is no ray at those: they are roots, a rounding farther the ray misses an edge.
+/// An interval without its ends where there is no ray at those: they are roots, a rounding farther the ray misses an
+/// edge.
 fn inside(ruled: &Ruled, [from, to]: [f64; 2]) -> [f64; 2] {
     let step = SHORTEST * (to - from);
     let end = |exact: f64, inner: f64| if ruled.ray(exact).is_some() { exact } else { inner };
     [end(from, from + step), end(to, to - step)]
 }
 
-/// The parts of an interval, divided at `ends`, in whose middles there is an answer; neighbours with the same one are united.
+/// The parts of an interval, divided at `ends`, in whose middles there is an answer; neighbours with the same one are
+/// united.
 fn parts<T: PartialEq + Copy>(
     interval: [f64; 2],
     mut ends: SmallVec<[f64; 4]>,

@@ -187,8 +187,8 @@ pub(super) fn chord(visibility: &Visibility, face: FaceId, plane: &Plane) -> Opt
     Some((crossing, [first, farthest(first)?]))
 }
 
-/// The part of a straight piece, given by direction and nearness of its ends, in ascending order, with directions between 0
-/// and 1: directions and nearness of the ends.
+/// The part of a straight piece, given by direction and nearness of its ends, in ascending order, with directions
+/// between 0 and 1: directions and nearness of the ends.
 pub(super) fn clip_directions([first, last]: [(f64, f64); 2]) -> Option<([f64; 2], [f64; 2])> {
     let s = [first.0.max(0.0), last.0.min(1.0)];
     let nearness = |s: f64| first.1 + (last.1 - first.1) * (s - first.0) / (last.0 - first.0);

@@ -1,7 +1,7 @@
 //! Convex polygons in a plane frame, made to be cut by the thousand: lines through them, one less another, moments.
 //!
-//! Corners run counter-clockwise. What lies within a slack of a line counts as on it, so that polygons which share a side leave
-//! no hairline between them when one is taken from the other; what has no area is empty.
+//! Corners run counter-clockwise. What lies within a slack of a line counts as on it, so that polygons which share a
+//! side leave no hairline between them when one is taken from the other; what has no area is empty.
 
 use glam::{DMat2, DVec2};
 use smallvec::SmallVec;
@@ -83,7 +83,8 @@ pub fn halves(corners: &[DVec2], line: &Line, slack_m: f64) -> [Convex; 2] {
     [left, right]
 }
 
-/// Whether two polygons have no area in common, but for what is narrower than `slack_m`, as a side of one of them shows.
+/// Whether two polygons have no area in common, but for what is narrower than `slack_m`, as a side of one of them
+/// shows.
 pub fn are_apart(first: &[DVec2], second: &[DVec2], slack_m: f64) -> bool {
     let beyond_a_side = |of: &[DVec2], other: &[DVec2]| {
         long_sides(of, slack_m).any(|(p, q)| {
@@ -129,7 +130,8 @@ pub fn perimeter_m(corners: &[DVec2]) -> f64 {
     sides(corners).map(|(p, q)| p.distance(q)).sum()
 }
 
-/// The convex hull of points, counter-clockwise; corners in line are left out (Andrew, *Another efficient algorithm for convex hulls in two dimensions*, 1979).
+/// The convex hull of points, counter-clockwise; corners in line are left out (Andrew, *Another efficient algorithm for
+/// convex hulls in two dimensions*, 1979).
 pub fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     points.sort_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
     points.dedup();
@@ -151,8 +153,8 @@ pub fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     border
 }
 
-/// A convex polygon without the corners that matter least: one after another goes that cuts off least area, until there are `most` of
-/// them, and each that is left would take at least `least_share` of the area with it.
+/// A convex polygon without the corners that matter least: one after another goes that cuts off least area, until there
+/// are `most` of them, and each that is left would take at least `least_share` of the area with it.
 pub fn with_few_corners(mut corners: Vec<DVec2>, most: usize, least_share: f64) -> Vec<DVec2> {
     let least_m2 = least_share * polygon::signed_area_2d_m2(&corners);
     while corners.len() > 3 {
@@ -207,7 +209,8 @@ impl Moments {
         }
     }
 
-    /// Centroid and the area mean of the outer product of the offset from it with itself; `None` where there is no area.
+    /// Centroid and the area mean of the outer product of the offset from it with itself; `None` where there is no
+    /// area.
     pub fn centroid_and_spread(&self) -> Option<(DVec2, DMat2)> {
         if self.area_m2 <= 0.0 {
             return None;

@@ -37,14 +37,15 @@ impl Mesh {
         if self.boundary(patch).len() > TRIANGLE { self.point_split(patch) } else { self.triangle_split(patch) }
     }
 
-    /// The patches that `split` was asked for and were not split before, in order. Where nothing but `split` cut the mesh, they make the
-    /// same one again of the same faces and d-segments: what a split does depends on those before it alone; those that fail count, since
-    /// they may leave point hints.
+    /// The patches that `split` was asked for and were not split before, in order. Where nothing but `split` cut the
+    /// mesh, they make the same one again of the same faces and d-segments: what a split does depends on those before
+    /// it alone; those that fail count, since they may leave point hints.
     pub fn splits_asked(&self) -> &[PatchId] {
         &self.asked
     }
 
-    /// Splits as another mesh of the same faces and d-segments was. False, and broken off, where it cannot have been that one's.
+    /// Splits as another mesh of the same faces and d-segments was. False, and broken off, where it cannot have been
+    /// that one's.
     pub fn split_as(&mut self, asked: &[PatchId]) -> bool {
         asked.iter().all(|&patch| {
             let is_leaf = self.patches.get(patch).is_some_and(|patch| patch.subpatches.is_none());

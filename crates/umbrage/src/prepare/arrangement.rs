@@ -1,9 +1,10 @@
-//! The cells that all edges of a plane divide it into, and the surface and skin that each cell shows on each of its two sides.
+//! The cells that all edges of a plane divide it into, and the surface and skin that each cell shows on each of its two
+//! sides.
 //!
 //! Which polygons cover a cell follows from winding numbers, carried from the outside inwards across one edge after the
-//! other: that is exact whatever rounding did to the edges, as long as they do not cross. Where several polygons cover a
-//! cell and look the same way, the one whose patch has the least area wins: a picture over the wall that it hangs on. A
-//! polygon's patch is what it forms together with neighbours of its surface that share edges with it, so that it does
+//! other: that is exact whatever rounding did to the edges, as long as they do not cross. Where several polygons cover
+//! a cell and look the same way, the one whose patch has the least area wins: a picture over the wall that it hangs on.
+//! A polygon's patch is what it forms together with neighbours of its surface that share edges with it, so that it does
 //! not matter how finely the wall was divided.
 
 use std::collections::BTreeMap;

@@ -1,7 +1,7 @@
 //! Pieces become faces: with ids that depend on the scene only, shared edges, and sides that are straight runs.
 //!
-//! Faces are numbered by surface, then by position; planes, skins, vertices and edges in the order in which the faces use them,
-//! so that what lies together has near numbers. Nothing unused is kept.
+//! Faces are numbered by surface, then by position; planes, skins, vertices and edges in the order in which the faces
+//! use them, so that what lies together has near numbers. Nothing unused is kept.
 
 use std::collections::HashMap;
 
@@ -123,8 +123,8 @@ struct Numbering {
 }
 
 impl Numbering {
-    /// The plane of a face: its polygons' or, where cuts have bent it away from that by more than the weld distance, one
-    /// of its own.
+    /// The plane of a face: its polygons' or, where cuts have bent it away from that by more than the weld distance,
+    /// one of its own.
     fn plane(&mut self, draft: &Draft, planes: &Planes, points: &Points, weld_m: f64) -> PlaneId {
         let known = planes.frames[draft.plane];
         let is_off = |&v: &VertexId| known.plane.signed_distance_m(points[v]).abs() > weld_m;

@@ -2,8 +2,9 @@
 //!
 //! Polygons are taken as convex pieces, and pairs of pieces whose boxes touch are tried. A corner within the coplanar
 //! tolerance of the other's plane lies in it (sign 0), the others are in front or behind (+, -). A side with both ends
-//! in the other's plane meets it along that side, as a box does that stands on a floor. Where there is no such side, two
-//! pieces that both pass through the other's plane cross, and meet along the common part of the line of the two planes.
+//! in the other's plane meets it along that side, as a box does that stands on a floor. Where there is no such side,
+//! two pieces that both pass through the other's plane cross, and meet along the common part of the line of the two
+//! planes.
 //!
 //! Holds after: a segment's ends are points that lie in both planes within the weld distance. Segments are not yet cut
 //! where they meet vertices or each other; `node` does so.

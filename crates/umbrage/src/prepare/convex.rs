@@ -1,7 +1,7 @@
 //! Partition of a plane's cells into convex, well-shaped pieces (Hertel and Mehlhorn, 1983).
 //!
-//! A constrained Delaunay triangulation fills the cells; then diagonals are taken away as long as what they separated is
-//! convex together. Hertel and Mehlhorn take any order and have at most four times the fewest pieces; here two
+//! A constrained Delaunay triangulation fills the cells; then diagonals are taken away as long as what they separated
+//! is convex together. Hertel and Mehlhorn take any order and have at most four times the fewest pieces; here two
 //! orders are tried, by how much better shaped (`4 pi A / P^2`) a union is than its parts and by length, and each cell
 //! keeps the one with the fewest pieces, then with the best shaped worst piece. Needed edges are never taken away. Both
 //! facings of a cell share its pieces, so that diagonals never cross.

@@ -1,7 +1,7 @@
 //! Half-edges of a triangulation's pieces, and the taking away of diagonals between them: the greedy part of `convex`.
 //!
-//! Holds throughout: the half-edges of a piece form one closed loop; a piece is convex but for vertices that lie straight
-//! within the tolerance.
+//! Holds throughout: the half-edges of a piece form one closed loop; a piece is convex but for vertices that lie
+//! straight within the tolerance.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;

@@ -1,7 +1,8 @@
 //! Which edges are still needed when all planes are known, and which vertices on them.
 //!
 //! An edge is needed where a plane shows something else on its two sides, or where faces of two planes meet: a wall's
-//! foot cuts the floor that goes on beneath it. What else divided a plane, like the triangles that it came in, is merged.
+//! foot cuts the floor that goes on beneath it. What else divided a plane, like the triangles that it came in, is
+//! merged.
 //!
 //! A vertex where just two needed edges meet, in all planes together and with the same on their sides, is dropped where
 //! it lies straight between its neighbours.

@@ -1,9 +1,9 @@
 //! Noding: edges are cut until they meet in end points only.
 //!
-//! An edge is cut at every point within the weld distance of it, and two edges are cut where they cross: in the frame of
-//! a plane that they share, or in space. Cutting bends an edge by less than the weld distance, so pieces are looked at
-//! again until nothing changes. Edges are known by their ends in all planes together: what one plane cuts, all do, and
-//! the pieces of two edges that lie on each other are the same pieces.
+//! An edge is cut at every point within the weld distance of it, and two edges are cut where they cross: in the frame
+//! of a plane that they share, or in space. Cutting bends an edge by less than the weld distance, so pieces are looked
+//! at again until nothing changes. Edges are known by their ends in all planes together: what one plane cuts, all do,
+//! and the pieces of two edges that lie on each other are the same pieces.
 //!
 //! Holds after: no point of an edge lies within the weld distance of another edge, but for its own ends; edges of one
 //! plane do not cross. Where rounding leaves no other way, an exception is counted.

@@ -1,16 +1,16 @@
 //! What is laid over polygons: texture coordinates and smooth normals, as affine functions of the position.
 //!
-//! A triangle says by its three corners what the coordinates are everywhere in its plane. So whatever polygons become later,
-//! merged with neighbours, cut along shadows, split into triangles, each point of them still has exactly the place in the image
-//! that it had, by evaluation. Polygons of one surface and plane share a *skin* where the functions are the same; only then
-//! are they merged into one.
+//! A triangle says by its three corners what the coordinates are everywhere in its plane. So whatever polygons become
+//! later, merged with neighbours, cut along shadows, split into triangles, each point of them still has exactly the
+//! place in the image that it had, by evaluation. Polygons of one surface and plane share a *skin* where the functions
+//! are the same; only then are they merged into one.
 //!
 //! Normals matter only where they make a surface smooth: along an edge between polygons of two planes that has the same
-//! normals on both sides and bends by little. Elsewhere, as on the walls of a room that was shaded smooth by oversight, they
-//! are left.
+//! normals on both sides and bends by little. Elsewhere, as on the walls of a room that was shaded smooth by oversight,
+//! they are left.
 //!
-//! Skins grow from the largest polygons to their neighbours across edges; each neighbour is compared with the function of the
-//! first, so that nothing drifts.
+//! Skins grow from the largest polygons to their neighbours across edges; each neighbour is compared with the function
+//! of the first, so that nothing drifts.
 
 use glam::{DVec2, DVec3};
 use smallvec::SmallVec;
@@ -25,14 +25,14 @@ use crate::scene::{Scene, Surface};
 /// Texture coordinates that differ by less are the same: 0.4 texels of an image 4096 wide, more than the rounding of
 /// coordinates that files keep in 16 bits.
 const SAME_UV: f64 = 1e-4;
-/// A function of the position that gives a normal within this, in radians, gives it: nothing is seen of that, and plane facets
-/// of curved surfaces are merged more often.
+/// A function of the position that gives a normal within this, in radians, gives it: nothing is seen of that, and plane
+/// facets of curved surfaces are merged more often.
 const SAME_NORMAL_RAD: f64 = 0.05;
-/// At a smooth edge, the normals of its two faces differ by less than this share of the bend. In a flat surface they differ by
-/// all of it, in a smooth one by nothing but rounding.
+/// At a smooth edge, the normals of its two faces differ by less than this share of the bend. In a flat surface they
+/// differ by all of it, in a smooth one by nothing but rounding.
 const SMOOTH_OF_BEND: f64 = 0.5;
-/// An edge that bends by more is a crease, whatever the normals say: the cosine of 61 degrees, so that a column of six sides
-/// may be round.
+/// An edge that bends by more is a crease, whatever the normals say: the cosine of 61 degrees, so that a column of six
+/// sides may be round.
 const LEAST_SMOOTH_COSINE: f64 = 0.485;
 /// Edges of more polygons than this are not looked at: nothing smooth has them.
 const MOST_POLYGONS_OF_EDGE: usize = 8;
@@ -63,7 +63,8 @@ impl Skin {
         self.uv.map(|uv| DVec2::from(uv.map(|affine| affine.at(at_m))))
     }
 
-    /// The unit normal of the smooth surface at a point, on the side to which `front` points; `front` where there is none.
+    /// The unit normal of the smooth surface at a point, on the side to which `front` points; `front` where there is
+    /// none.
     pub fn normal(&self, at_m: DVec3, front: DVec3) -> DVec3 {
         let smooth = self.normal.map(|normal| DVec3::from(normal.map(|affine| affine.at(at_m))));
         let smooth = smooth.and_then(DVec3::try_normalize).unwrap_or(front);

@@ -7,8 +7,8 @@ use crate::id::{FaceId, LampId, Table};
 use crate::prepare::Prepared;
 use crate::scene::{Lamp, Material, Rgb, Scene};
 
-/// Light is that of before times a factor where no source departs from it by more than this share of itself: rounding of the
-/// numbers in a file.
+/// Light is that of before times a factor where no source departs from it by more than this share of itself: rounding
+/// of the numbers in a file.
 const SAME_FACTOR: f64 = 1e-12;
 
 /// What gives light in a scene, and what reflects it.

@@ -1,7 +1,7 @@
 //! Lamps without extent: points, spots and distant lights, as `KHR_lights_punctual` has them.
 //!
-//! What a lamp of intensity `I` brings to a surface that faces it is `I / d^2`. A spot's intensity falls from its inner to its
-//! outer cone, and a lamp with a range fades towards it, both by the formulas that the extension recommends.
+//! What a lamp of intensity `I` brings to a surface that faces it is `I / d^2`. A spot's intensity falls from its inner
+//! to its outer cone, and a lamp with a range fades towards it, both by the formulas that the extension recommends.
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -10,8 +10,8 @@ use glam::DVec3;
 
 use super::Rgb;
 
-/// The least difference of the cosines of a spot's cones, so that nothing is divided by zero. The extension recommends 0.001,
-/// which dims all cones of less than 2.6 degrees.
+/// The least difference of the cosines of a spot's cones, so that nothing is divided by zero. The extension recommends
+/// 0.001, which dims all cones of less than 2.6 degrees.
 const LEAST_CONE: f64 = 1e-12;
 
 /// A lamp.

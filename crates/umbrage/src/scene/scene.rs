@@ -31,8 +31,8 @@ pub struct Surface {
     pub positions_m: Vec<DVec3>,
     /// Texture coordinates of each corner, (0, 0) being the upper left of the image; empty without.
     pub uvs: Vec<DVec2>,
-    /// Unit normal of each corner, of the smooth surface that the polygons stand for, or zero where there is none; empty
-    /// without any.
+    /// Unit normal of each corner, of the smooth surface that the polygons stand for, or zero where there is none;
+    /// empty without any.
     pub normals: Vec<DVec3>,
     /// Simple plane polygons: indices into `positions_m`, counter-clockwise seen from the front.
     pub polygons: Vec<Vec<u32>>,

@@ -14,16 +14,16 @@
 //!   ________\/_________ receiver
 //! ```
 //!
-//! How: the faces that the index finds in the beam are projected into the source's plane ([`super::view`]), where their shadows
-//! become convex parts that do not overlap ([`super::shadow`]). Whatever is additive, a factor or an area, is that of the
-//! source less those of the shadows. The same point of space has the same shadow whatever face it belongs to, so faces that
-//! share an edge leave no hairline between them.
+//! How: the faces that the index finds in the beam are projected into the source's plane ([`super::view`]), where their
+//! shadows become convex parts that do not overlap ([`super::shadow`]). Whatever is additive, a factor or an area, is
+//! that of the source less those of the shadows. The same point of space has the same shadow whatever face it belongs
+//! to, so faces that share an edge leave no hairline between them.
 //!
-//! Holds after: all polygons are convex, counter-clockwise seen from the source's front, in the frame of its plane and not
-//! below the receiver's horizon; what is wholly dark has no outline, exactly.
+//! Holds after: all polygons are convex, counter-clockwise seen from the source's front, in the frame of its plane and
+//! not below the receiver's horizon; what is wholly dark has no outline, exactly.
 //!
-//! Faces in the plane of receiver or source never occlude; occluder corners nearer to the receiver's plane than the weld
-//! tolerance count as below it, so that nothing shines through beneath what stands on it.
+//! Faces in the plane of receiver or source never occlude; occluder corners nearer to the receiver's plane than the
+//! weld tolerance count as below it, so that nothing shines through beneath what stands on it.
 
 use std::ops::ControlFlow;
 
@@ -151,8 +151,8 @@ pub struct Beam<'a> {
 /// Faces that may stand between a point and a source.
 pub type Between = SmallVec<[FaceId; 32]>;
 
-/// Corners nearer to a line than this share of the extent of the source lie on it: far above rounding, and far below what is
-/// seen.
+/// Corners nearer to a line than this share of the extent of the source lie on it: far above rounding, and far below
+/// what is seen.
 const SLACK_OF_SOURCE: f64 = 4e-9;
 
 impl Visibility {

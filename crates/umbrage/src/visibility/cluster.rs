@@ -1,7 +1,8 @@
-//! Clusters: the nodes of the spatial index, as crowds of faces that send or receive light together (Smits, Arvo and Greenberg, *A
-//! clustering algorithm for radiosity in complex environments*, 1994).
+//! Clusters: the nodes of the spatial index, as crowds of faces that send or receive light together (Smits, Arvo and
+//! Greenberg, *A clustering algorithm for radiosity in complex environments*, 1994).
 //!
-//! Holds: a face is in one cluster that has no parts, and in all that this one is a part of; the numbers depend on the faces only.
+//! Holds: a face is in one cluster that has no parts, and in all that this one is a part of; the numbers depend on the
+//! faces only.
 
 use glam::DVec3;
 

@@ -1,5 +1,5 @@
-//! Small prepared scenes for tests: polygons as they are, welded where their corners are equal, with planes shared within
-//! the tolerance; nothing is merged or cut.
+//! Small prepared scenes for tests: polygons as they are, welded where their corners are equal, with planes shared
+//! within the tolerance; nothing is merged or cut.
 
 use std::collections::BTreeMap;
 

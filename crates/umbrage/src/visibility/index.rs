@@ -1,9 +1,9 @@
 //! The spatial index: a binary tree of boxes over the prepared faces.
 //!
 //! The tree is built by the crate `obvhs` (PLOC: Meister and Bittner, *Parallel Locally-Ordered Clustering for Bounding
-//! Volume Hierarchy Construction*, 2018) over `f32` boxes that are rounded outward; its nodes are walked here, with a box
-//! test of the caller's, in `f64`. The faces' boundaries lie flat beside it, with every vertex that other faces have on
-//! them: two faces that share an edge then meet in the same points, and no query sees a crack between them.
+//! Volume Hierarchy Construction*, 2018) over `f32` boxes that are rounded outward; its nodes are walked here, with a
+//! box test of the caller's, in `f64`. The faces' boundaries lie flat beside it, with every vertex that other faces
+//! have on them: two faces that share an edge then meet in the same points, and no query sees a crack between them.
 //!
 //! Holds: a face that a walk's box test would keep is visited, each at most once; the order is that of the tree, which
 //! depends on the faces only and never on threads.
@@ -41,7 +41,8 @@ impl Boundable for IndexedFace {
     }
 }
 
-/// A corner of a box in `f32`, moved outward where rounding moved it inward (or nowhere: one step too many is harmless).
+/// A corner of a box in `f32`, moved outward where rounding moved it inward (or nowhere: one step too many is
+/// harmless).
 fn rounded(p: DVec3, outward: fn(f32) -> f32) -> Vec3A {
     let step = |x: f64| if f64::from(x as f32) == x { x as f32 } else { outward(x as f32) };
     Vec3A::new(step(p.x), step(p.y), step(p.z))
@@ -70,8 +71,8 @@ impl Visibility {
         })
     }
 
-    /// An index without a tree, whose queries look at every face: the same answers, slowly. It is what benchmarks compare
-    /// with.
+    /// An index without a tree, whose queries look at every face: the same answers, slowly. It is what benchmarks
+    /// compare with.
     pub fn without_tree(prepared: &Prepared) -> Self {
         Self::with_tree(prepared, |faces| {
             let aabb = faces.iter().fold(Aabb::empty(), |all, face| all.union(&face.aabb()));
@@ -128,8 +129,8 @@ impl Visibility {
         &self.corners_m[start as usize..end as usize]
     }
 
-    /// Visits every face whose box passes `meets(min_m, max_m)`, until `visit` breaks. A box that contains a passing box
-    /// must pass too.
+    /// Visits every face whose box passes `meets(min_m, max_m)`, until `visit` breaks. A box that contains a passing
+    /// box must pass too.
     pub(crate) fn walk(&self, meets: impl Fn(DVec3, DVec3) -> bool, visit: impl FnMut(FaceId) -> ControlFlow<()>) {
         self.walk_nodes(|node| meets(node.min.as_dvec3(), node.max.as_dvec3()), &meets, visit);
     }

@@ -78,7 +78,8 @@ struct Slabs {
 
 impl Slabs {
     fn new(from_m: DVec3, to_m: DVec3) -> Self {
-        // Finite, so that a box whose border the ray starts on, along an axis that it does not follow, is not lost as NaN.
+        // Finite, so that a box whose border the ray starts on, along an axis that it does not follow, is not lost as
+        // NaN.
         let per_m = (to_m - from_m).recip().clamp(DVec3::splat(-MOST_PER_M), DVec3::splat(MOST_PER_M));
         let (start, grown) = (from_m.as_vec3a(), Vec3A::splat((ROUNDED_START * from_m.abs().max_element()) as f32));
         Self { from_m, per_m, around_m: [start - grown, start + grown], per_m_rounded: per_m.as_vec3a() }
@@ -91,7 +92,8 @@ impl Slabs {
         near <= far + SLAB_SLACK
     }
 
-    /// The same in `f32`, where rounding never loses a box: but it may pass one more (Ize, *Robust BVH ray traversal*, 2013).
+    /// The same in `f32`, where rounding never loses a box: but it may pass one more (Ize, *Robust BVH ray traversal*,
+    /// 2013).
     fn may_meet(&self, min_m: Vec3A, max_m: Vec3A) -> bool {
         let to_min = (min_m - self.around_m[1]) * self.per_m_rounded;
         let to_max = (max_m - self.around_m[0]) * self.per_m_rounded;

@@ -1,8 +1,8 @@
 //! Shadows that overlap, made into convex parts that do not.
 //!
-//! What one shadow leaves of another is convex parts again; their number grows with the square of the number of shadows, and
-//! most of a source behind many occluders is behind one of them alone. So a source with many shadows is halved until its
-//! parts have few: most parts turn out to be covered, or clear.
+//! What one shadow leaves of another is convex parts again; their number grows with the square of the number of
+//! shadows, and most of a source behind many occluders is behind one of them alone. So a source with many shadows is
+//! halved until its parts have few: most parts turn out to be covered, or clear.
 
 use glam::DVec2;
 

@@ -2,8 +2,8 @@
 //! culling for efficient ray-traced radiosity*, 1991).
 //!
 //! The shaft is the convex hull of both polygons, in front of both planes. Its side planes pass through an edge of one
-//! polygon and a corner of the other and have both on one side; a face that lies wholly beyond one of them, or behind one
-//! of the two polygons' planes, blocks nothing.
+//! polygon and a corner of the other and have both on one side; a face that lies wholly beyond one of them, or behind
+//! one of the two polygons' planes, blocks nothing.
 //!
 //! Holds after: where the answer is no, every point of the one sees every point of the other that is in front of it,
 //! but for what intrudes by less than the coplanar tolerance. A yes may be too careful.

@@ -1,11 +1,12 @@
 //! A receiver point as a source's plane sees it, and the shadows that occluders throw from it onto that plane.
 //!
-//! In the frame of the plane the point `P` has a foot and a height `h`. A point `Q` of an occluder, at the height `h_Q`, throws its shadow at
-//! `(x, y) / w` with `(x, y) = foot(Q) - foot(P) h_Q / h` and `w = 1 - h_Q / h`: 1 in the plane, 0 at the height of the point, more than 1
-//! behind the plane. This is linear, so polygons are clipped before the division, by `w <= 1` and by the sides of what is
-//! asked about.
+//! In the frame of the plane the point `P` has a foot and a height `h`. A point `Q` of an occluder, at the height
+//! `h_Q`, throws its shadow at `(x, y) / w` with `(x, y) = foot(Q) - foot(P) h_Q / h` and `w = 1 - h_Q / h`: 1 in the
+//! plane, 0 at the height of the point, more than 1 behind the plane. This is linear, so polygons are clipped before
+//! the division, by `w <= 1` and by the sides of what is asked about.
 //!
-//! Holds: a point of space throws the same shadow in every face that has it as a corner, and an edge the same clipped ends.
+//! Holds: a point of space throws the same shadow in every face that has it as a corner, and an edge the same clipped
+//! ends.
 
 use glam::{DVec2, DVec3};
 use smallvec::SmallVec;

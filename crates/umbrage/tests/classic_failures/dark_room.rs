@@ -13,8 +13,8 @@ const WALL_M: f64 = 2.0;
 /// Vertices are rounded by less.
 const NEAR_M: f64 = 1e-6;
 
-/// A house of one room, whose floor, ceiling and long walls are one polygon each, with a lamp on the one side of `wall`, which
-/// parts it.
+/// A house of one room, whose floor, ceiling and long walls are one polygon each, with a lamp on the one side of
+/// `wall`, which parts it.
 fn house(wall: &[Vec<DVec3>], double_sided: bool) -> Scene {
     let mut scene = Scene::default();
     add(&mut scene, Material::diffuse("house", Rgb::splat(0.6)), &room_faces(DVec3::ZERO, SIZE_M));

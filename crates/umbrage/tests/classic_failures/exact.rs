@@ -1,8 +1,8 @@
 //! Irradiance past one convex occluder, exactly, without any of the program's geometry.
 //!
-//! Of a source a point sees what is not in the cone from the point over the occluder, which is bounded by the planes through
-//! the point and the edges of the occluder's outline. Both the source and the part of it in the cone are plane and convex, and
-//! Lambert's formula gives what comes from each.
+//! Of a source a point sees what is not in the cone from the point over the occluder, which is bounded by the planes
+//! through the point and the edges of the occluder's outline. Both the source and the part of it in the cone are plane
+//! and convex, and Lambert's formula gives what comes from each.
 
 use std::f64::consts::TAU;
 
@@ -82,7 +82,8 @@ pub(crate) fn shown(triangles: &[Lit], place: Place) -> Option<DVec3> {
     irradiance_at(triangles, place.point, place.normal, ON_PLANE_M)
 }
 
-/// Irradiance at a place by a one-sided source of even exitance past an occluder, which stands between the two or beside.
+/// Irradiance at a place by a one-sided source of even exitance past an occluder, which stands between the two or
+/// beside.
 pub(crate) fn irradiance(place: Place, source: &[DVec3], exitance: f64, occluder: &[Vec<DVec3>]) -> f64 {
     let front = (source[1] - source[0]).cross(source[2] - source[0]);
     if front.dot(place.point - source[0]) <= 0.0 {

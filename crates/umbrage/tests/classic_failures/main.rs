@@ -1,6 +1,7 @@
-//! Three failures that the manuals of earlier radiosity programs told their users to work around: light that leaks under a wall
-//! into a dark room, a thin table leg that loses its shadow, a switch plate that floats off a wall or is glued to it. Whole bakes
-//! with the default settings, against darkness, or against light that is calculated exactly here (`exact.rs`).
+//! Three failures that the manuals of earlier radiosity programs told their users to work around: light that leaks
+//! under a wall into a dark room, a thin table leg that loses its shadow, a switch plate that floats off a wall or is
+//! glued to it. Whole bakes with the default settings, against darkness, or against light that is calculated exactly
+//! here (`exact.rs`).
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test fails by panicking, and says what it measured")]
 
 #[path = "../common/mod.rs"]
@@ -19,7 +20,8 @@ use umbrage::shade::BakedMesh;
 
 use common::{Lit, lit_triangles};
 
-/// What a bake is asked for where nothing is said: root mean square error over the mean of all that receives and does not emit.
+/// What a bake is asked for where nothing is said: root mean square error over the mean of all that receives and does
+/// not emit.
 const TOLERANCE: f64 = 0.01;
 
 /// A bake with the default settings: the triangles of each surface.

@@ -1,4 +1,5 @@
-//! A patch of sun on a floor lights a ceiling past a plate: the shadow in reflected light, of a source without edges of its own.
+//! A patch of sun on a floor lights a ceiling past a plate: the shadow in reflected light, of a source without edges of
+//! its own.
 
 use glam::{DVec2, DVec3};
 use umbrage::bake::BakeSettings;
@@ -54,8 +55,9 @@ fn on_the_ceiling() -> Vec<Place> {
     places.map(|(x, y)| Place { point: DVec3::new(x, y, ROOM_M[1]), normal: -DVec3::Z }).collect()
 }
 
-/// Mean logarithms, over rooms with different plates, of triangles and error of the ceiling with cuts along shadows in reflected light
-/// over those without; and the standard error of that of their product. Error falls as triangles grow in number.
+/// Mean logarithms, over rooms with different plates, of triangles and error of the ceiling with cuts along shadows in
+/// reflected light over those without; and the standard error of that of their product. Error falls as triangles grow
+/// in number.
 fn gains(plates: usize, most_turned_rad: f64, tolerance: f64) -> ([f64; 2], f64) {
     let places = on_the_ceiling();
     let of_plate = |number: usize| {

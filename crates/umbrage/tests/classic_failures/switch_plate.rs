@@ -48,8 +48,8 @@ fn stage(gap_m: f64) -> Stage {
     Stage { plate, lamp, surfaces }
 }
 
-/// Holds the wall with a plate `gap_m` off it against exact light. The share of the light that the plate takes from the wall
-/// behind it which is shown there all the same.
+/// Holds the wall with a plate `gap_m` off it against exact light. The share of the light that the plate takes from the
+/// wall behind it which is shown there all the same.
 fn keeps_the_walls_light(gap_m: f64) -> f64 {
     let half_m = PLATE_M[0];
     let Stage { plate, lamp, surfaces } = stage(gap_m);

@@ -63,8 +63,8 @@ fn across_the_shadow() -> Vec<Place> {
     offsets_m.map(|(s, t)| Place { point: foot + s * along + t * across, normal: DVec3::Z }).collect()
 }
 
-/// Holds the floor against exact light, and the shadow against its exact depth: by at most `most_lost` of the light that the leg
-/// takes from the floor the shadow may be paler or darker than it is.
+/// Holds the floor against exact light, and the shadow against its exact depth: by at most `most_lost` of the light
+/// that the leg takes from the floor the shadow may be paler or darker than it is.
 fn keeps_its_shadow(surfaces: &[Vec<Lit>], most_lost: f64, exact: impl Fn(Place, &[Vec<DVec3>]) -> f64) {
     let (floor, lamp) = (&surfaces[0], surfaces.len() - 1);
     let mean = mean(surfaces[..lamp].iter().flatten());
@@ -88,8 +88,8 @@ fn a_table_leg_of_2_cm_keeps_its_shadow_under_a_lamp() {
     keeps_its_shadow(&baked(&scene), 0.05, |place, leg| irradiance(place, &lamp, PI * RADIANCE, leg));
 }
 
-/// A lamp that looks away from the floor lights a panel above it, which alone reflects; and the light on the floor past an
-/// occluder: that of the panel is summed over small parts of it, each as bright as its middle.
+/// A lamp that looks away from the floor lights a panel above it, which alone reflects; and the light on the floor past
+/// an occluder: that of the panel is summed over small parts of it, each as bright as its middle.
 fn under_a_panel() -> (Scene, impl Fn(Place, &[Vec<DVec3>]) -> f64) {
     const REFLECTANCE: f64 = 0.8;
     const PARTS: i32 = 12;
@@ -121,7 +121,8 @@ fn under_a_panel() -> (Scene, impl Fn(Place, &[Vec<DVec3>]) -> f64) {
 #[test]
 fn a_table_leg_of_2_cm_keeps_its_shadow_in_reflected_light() {
     let (scene, exact) = under_a_panel();
-    // The tolerance is a share of the mean of all, and most of the light is on the panel: the floor's own mean is much less.
+    // The tolerance is a share of the mean of all, and most of the light is on the panel: the floor's own mean is much
+    // less.
     keeps_its_shadow(&baked(&scene), 0.1, exact);
 }
 
@@ -143,8 +144,8 @@ fn cuts_along_shadows_in_reflected_light_pay() {
     assert!(with < without, "{with} and {without}");
 }
 
-/// A spot of light on a ceiling, which alone reflects, maybe with the square around the spot as a face of its own; and the
-/// light on the floor past the leg.
+/// A spot of light on a ceiling, which alone reflects, maybe with the square around the spot as a face of its own; and
+/// the light on the floor past the leg.
 fn under_a_spot(own_face: bool) -> (Scene, impl Fn(Place, &[Vec<DVec3>]) -> f64) {
     const REFLECTANCE: f64 = 0.8;
     const PARTS: i32 = 24;

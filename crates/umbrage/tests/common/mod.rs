@@ -55,8 +55,8 @@ pub fn extent(triangles: &[Lit]) -> f64 {
     (hi - lo).max_element()
 }
 
-/// Pairs of a vertex and an edge of some triangle that it lies inside, where a crack could show: not where a thing stands on a
-/// surface that goes on beneath it, and the two cover the same place, each without a gap.
+/// Pairs of a vertex and an edge of some triangle that it lies inside, where a crack could show: not where a thing
+/// stands on a surface that goes on beneath it, and the two cover the same place, each without a gap.
 pub fn t_vertices(triangles: &[Lit], eps: f64) -> Vec<(DVec3, [DVec3; 2])> {
     let mut points: Vec<DVec3> = triangles.iter().flat_map(|t| t.corners).collect();
     points.sort_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(p.z.total_cmp(&q.z)));

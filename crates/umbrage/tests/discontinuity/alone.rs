@@ -1,8 +1,8 @@
 //! Events of occluders alone: told by their generators.
 //!
-//! Seen from the eye, three edges pass through one point (EEE), or an edge of one occluder passes a vertex of another, before
-//! an emitter. Both are found by a change of sign over a short step of the eye, and count where the point and an emitter
-//! there can be seen.
+//! Seen from the eye, three edges pass through one point (EEE), or an edge of one occluder passes a vertex of another,
+//! before an emitter. Both are found by a change of sign over a short step of the eye, and count where the point and an
+//! emitter there can be seen.
 
 use glam::DVec3;
 
@@ -10,8 +10,8 @@ use super::light::{Convex, World};
 
 /// Edges end where they end; the eye's step moves what it sees by less than this share of an edge.
 const SLACK: f64 = 1e-3;
-/// A ray that passes inside a polygon by less than this, in metres, may pass beside it after a short step of the eye, which
-/// shadows magnify.
+/// A ray that passes inside a polygon by less than this, in metres, may pass beside it after a short step of the eye,
+/// which shadows magnify.
 const MARGIN_M: f64 = 3e-3;
 
 struct Edge {
@@ -39,8 +39,8 @@ impl Edge {
     }
 }
 
-/// The edges of all polygons, since a light hides what is behind it; and the lines in which polygons pierce one another,
-/// whose ends are vertices as good as any.
+/// The edges of all polygons, since a light hides what is behind it; and the lines in which polygons pierce one
+/// another, whose ends are vertices as good as any.
 fn edges(world: &World) -> Vec<Edge> {
     let mut edges: Vec<Edge> = Vec::new();
     for piece in &world.pieces {
@@ -122,7 +122,8 @@ const RAYS: u32 = 17;
 /// Edges whose directions have a smaller sine are parallel: corners are rounded to 2e-6 m.
 const PARALLEL_SINE: f64 = 1e-4;
 
-/// Whether the eye passes the plane of two parallel edges of occluders between two places, where light is seen past both.
+/// Whether the eye passes the plane of two parallel edges of occluders between two places, where light is seen past
+/// both.
 pub fn is_owed_to_two_edges_in_a_plane(world: &World, from: DVec3, to: DVec3) -> bool {
     let dark: Vec<Edge> = edges(world).into_iter().filter(|edge| !edge.lit).collect();
     let eye = from.midpoint(to);
@@ -140,8 +141,8 @@ pub fn is_owed_to_two_edges_in_a_plane(world: &World, from: DVec3, to: DVec3) ->
     })
 }
 
-/// Whether an event of occluders alone happens between two places of the eye: a vertex of one and an edge of another, or three
-/// edges of which the farthest is not a source's.
+/// Whether an event of occluders alone happens between two places of the eye: a vertex of one and an edge of another,
+/// or three edges of which the farthest is not a source's.
 pub fn is_owed_to_occluders(world: &World, from: DVec3, to: DVec3) -> bool {
     let edges = edges(world);
     let eye = from.midpoint(to);

@@ -1,7 +1,8 @@
 //! Where a function of one variable is not smooth: intervals on which no polynomial fits it however short they are.
 //!
-//! A function that is analytic but for breaks is divided until a polynomial of degree 8 agrees with it to rounding. Around a
-//! break none does, and the division goes on to the resolution. At a break, polynomials on both sides tell what jumps.
+//! A function that is analytic but for breaks is divided until a polynomial of degree 8 agrees with it to rounding.
+//! Around a break none does, and the division goes on to the resolution. At a break, polynomials on both sides tell
+//! what jumps.
 
 /// Degree + 1 of the polynomials.
 const NODES: usize = 9;
@@ -87,8 +88,8 @@ pub fn breaks(f: &impl Fn(f64) -> f64, length: f64) -> (Vec<Break>, [f64; 3]) {
             None => merged.push(next),
         }
     }
-    // A kink in the middle of an interval is off its best polynomial by about a sixtieth of jump times length; a break of
-    // curvature by a tenth of that. Both with a margin, for breaks near an end.
+    // A kink in the middle of an interval is off its best polynomial by about a sixtieth of jump times length; a break
+    // of curvature by a tenth of that. Both with a margin, for breaks near an end.
     let sure = [20.0, 2e3 / RESOLUTION_M, 4e4 / (RESOLUTION_M * RESOLUTION_M)].map(|factor| factor * error);
     (merged, sure)
 }

@@ -85,8 +85,8 @@ fn a_parallel_plate_has_its_lines_at_half_and_one_and_a_half_and_their_strength(
     let found = Found::of(&stage);
     let on_floor = found.on_floor();
     assert_eq!((on_floor.len(), count(&on_floor, "edge-edge")), (8, 8));
-    // The far lamp edge is seen upon the plate's edge from (1.5, 0): with y along it, r2 = 8 + y2, cosines 2 / r, the sine
-    // of the plane sqrt(1/2), twice as far as the plate. The jump of slope is 4 L times the integral of dy / r4.
+    // The far lamp edge is seen upon the plate's edge from (1.5, 0): with y along it, r2 = 8 + y2, cosines 2 / r, the
+    // sine of the plane sqrt(1/2), twice as far as the plate. The jump of slope is 4 L times the integral of dy / r4.
     let primitive = |y: f64| y / (16.0 * (8.0 + y * y)) + (y / 8f64.sqrt()).atan() / (16.0 * 8f64.sqrt());
     let expected = 4.0 * 10.0 * (primitive(0.5) - primitive(-0.5));
     for segment in on_floor {
@@ -110,7 +110,8 @@ fn a_turned_plate_has_a_line_for_every_vertex_and_edge() {
     assert_eq!((count(&on_floor, "vertex-edge"), count(&on_floor, "edge-vertex"), on_floor.len()), (16, 16, 32));
     let Traced { prepared, .. } = &found.traced;
     for segment in on_floor {
-        // The plate is half way: the floor sees a lamp's point through a plate's point at twice the latter less the former.
+        // The plate is half way: the floor sees a lamp's point through a plate's point at twice the latter less the
+        // former.
         let (source, occluder) = match segment.event {
             Event::VertexEdge { source, occluder, .. } => ([source; 2], prepared.edges[occluder].ends),
             Event::EdgeVertex { source, occluder, .. } => (prepared.edges[source].ends, [occluder; 2]),
@@ -199,8 +200,8 @@ fn all_six_edges_of_an_l_cast_the_inner_ones_too() {
     let found = Found::of(&stage);
     let on_floor = found.on_floor();
     assert!(on_floor.iter().all(|segment| segment.degree == Degree::D1));
-    // Each edge at x = e casts at 2 e -+ 0.2, from 2 e0 - 0.2 to 2 e1 + 0.2, and likewise in y; at the inner corner (0.5, 0.5)
-    // both inner edges are seen from all sides, since the L lies beside them.
+    // Each edge at x = e casts at 2 e -+ 0.2, from 2 e0 - 0.2 to 2 e1 + 0.2, and likewise in y; at the inner corner
+    // (0.5, 0.5) both inner edges are seen from all sides, since the L lies beside them.
     for (edge, from, to) in [(0.0, 0.0, 1.0), (1.0, 0.0, 0.5), (0.5, 0.5, 1.0)] {
         for source in [-0.2, 0.2] {
             let (at, from, to) = (2.0 * edge + source, 2.0 * from - 0.2, 2.0 * to + 0.2);
@@ -236,7 +237,8 @@ fn edges_in_one_plane_need_not_be_parallel_to_make_one_line_of_degree_1() {
     let lines: Vec<_> = on_floor.iter().filter(on_line).collect();
     assert_eq!(lines.len(), 1, "{lines:?}");
     assert_eq!(lines[0].degree, Degree::D1);
-    // Its ends: from the lamp's corner (y = 0.25) past the plate's end at y = -0.3, z = 0.9, and from -0.25 past 0.4, 1.2.
+    // Its ends: from the lamp's corner (y = 0.25) past the plate's end at y = -0.3, z = 0.9, and from -0.25 past 0.4,
+    // 1.2.
     let mut y = found.world(lines[0]).map(|end| end.y);
     y.sort_by(f64::total_cmp);
     let expected = [0.25 + (-0.3 - 0.25) * 2.0 / 1.1, -0.25 + (0.4 + 0.25) * 2.0 / 0.8];
@@ -352,8 +354,8 @@ fn the_plane_of_an_upright_plate_under_a_lamp_is_a_line_of_degree_1() {
     stage.add(&moved(&rectangle(0.5, 0.25), DQuat::from_rotation_x(TAU / 4.0), DVec3::new(0.0, 0.1, 1.0)), 0.0);
     stage.add(&lamp(0.25, 2.0 * DVec3::Z), 5.0);
     let found = Found::of(&stage);
-    // Seen edge-on from y = 0.1, before the lamp: from its ends at +-0.25 past the plate's at +-0.5, 0.75 m, on the far side
-    // of it.
+    // Seen edge-on from y = 0.1, before the lamp: from its ends at +-0.25 past the plate's at +-0.5, 0.75 m, on the far
+    // side of it.
     let reach = 0.25 + (0.5 + 0.25) * 2.0 / (2.0 - 1.25);
     assert_eq!(count(&found.on_floor(), "occluder-plane"), 1);
     let least = [DVec2::new(-1.4, 0.1), DVec2::new(1.4, 0.1)];
@@ -363,8 +365,8 @@ fn the_plane_of_an_upright_plate_under_a_lamp_is_a_line_of_degree_1() {
 #[test]
 fn three_edges_leave_a_hyperbola_in_chords() {
     let mut stage = with_floor();
-    // A lamp with an edge along x at y = 0, z = 3; a plate below with an edge along y at x = 0, z = 2; an upright plate with an edge
-    // along z at (-0.3, 0.2).
+    // A lamp with an edge along x at y = 0, z = 3; a plate below with an edge along y at x = 0, z = 2; an upright plate
+    // with an edge along z at (-0.3, 0.2).
     let rectangle = |x: [f64; 2], y: [f64; 2], z: f64| {
         [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])].map(|(x, y)| DVec3::new(x, y, z)).to_vec()
     };
@@ -390,7 +392,8 @@ fn three_edges_leave_a_hyperbola_in_chords() {
     let chords: Vec<[DVec2; 2]> =
         on_floor.iter().filter(of_these).map(|segment| found.world(segment).map(DVec3::truncate)).collect();
     assert!(chords.len() > 1);
-    // From (t, 0, 3) past (0, a, 2), the floor is reached at (-2 t, 3 a), and (-0.3, 0.2) passed where a = 0.2 t / (t + 0.3).
+    // From (t, 0, 3) past (0, a, 2), the floor is reached at (-2 t, 3 a), and (-0.3, 0.2) passed where a = 0.2 t / (t +
+    // 0.3).
     let y = |x: f64| 0.6 * x / (x - 0.6);
     for ends in &chords {
         for end in ends {

@@ -1,6 +1,6 @@
-//! Direct irradiance by a route of its own: every emitter is cut by the planes through the eye and the edges of every other
-//! polygon, and what is left is summed by Lambert's formula. Slow, simple, and exact to rounding. It shares nothing with
-//! the library but vectors.
+//! Direct irradiance by a route of its own: every emitter is cut by the planes through the eye and the edges of every
+//! other polygon, and what is left is summed by Lambert's formula. Slow, simple, and exact to rounding. It shares
+//! nothing with the library but vectors.
 
 use std::f64::consts::PI;
 

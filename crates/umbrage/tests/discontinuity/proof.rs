@@ -31,7 +31,8 @@ const STRENGTH: f64 = 0.02;
 /// Lines that meet the end of a d-segment nearer than this, in metres, may or may not meet the segment.
 const AT_END_M: f64 = 1e-4;
 
-/// Corners are rounded to 2e-6 m, by which polygons are not plane: so faint are the kinks of their folds. In W/m2, W/m3, W/m4.
+/// Corners are rounded to 2e-6 m, by which polygons are not plane: so faint are the kinks of their folds. In W/m2,
+/// W/m3, W/m4.
 const FAINT: [f64; 3] = [1e-9, 1e-5, 0.0];
 /// Smooth places of a line at which the test for events of occluders alone is tested itself.
 const ASKED: u32 = 8;
@@ -140,8 +141,8 @@ impl Line {
     }
 }
 
-/// Six times the volume that the directions of the planes through an eye and three lines span: zero where a ray from the
-/// eye passes all three.
+/// Six times the volume that the directions of the planes through an eye and three lines span: zero where a ray from
+/// the eye passes all three.
 fn apart(eye: DVec3, lines: [[DVec3; 2]; 3]) -> f64 {
     let [a, b, c] = lines.map(|[p, q]| (p - eye).cross(q - eye).normalize());
     a.cross(b).dot(c)

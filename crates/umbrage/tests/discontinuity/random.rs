@@ -180,8 +180,8 @@ pub fn scene(random: &mut Random) -> Stage {
     stage
 }
 
-/// A piece of a building: a floor and a wall, a lamp of which half the time the edges are parallel to theirs, a shelf of boards, and a
-/// table. All edges of these are parallel to the axes.
+/// A piece of a building: a floor and a wall, a lamp of which half the time the edges are parallel to theirs, a shelf
+/// of boards, and a table. All edges of these are parallel to the axes.
 pub fn building(random: &mut Random) -> Stage {
     let mut stage = Stage::default();
     stage.add(&rectangle(2.0, 2.0), 0.0);

@@ -1,5 +1,5 @@
-//! Bright parts of faces as sources: a spot of light on a ceiling and a patch of sun on a floor, which alone reflect, and a plate
-//! whose shadow in that light is known by hand. +Z is up.
+//! Bright parts of faces as sources: a spot of light on a ceiling and a patch of sun on a floor, which alone reflect,
+//! and a plate whose shadow in that light is known by hand. +Z is up.
 
 use glam::{DVec2, DVec3, Vec3Swizzles as _};
 use umbrage::bake::{BakeSettings, Meshed, bake, subdivided};
@@ -25,8 +25,8 @@ fn settings() -> BakeSettings {
     BakeSettings { shade: ShadeSettings { tolerance: 0.003, ..ShadeSettings::default() }, ..BakeSettings::default() }
 }
 
-/// The prepared faces of a scene and what its direct light, once reflected, casts: all there is, if no two faces that reflect see one
-/// another.
+/// The prepared faces of a scene and what its direct light, once reflected, casts: all there is, if no two faces that
+/// reflect see one another.
 fn cast(scene: &Scene) -> (Prepared, Vec<DSegment>) {
     let Meshed { prepared, mesh, .. } = subdivided(scene, &settings(), Progress::silent()).unwrap();
     let visibility = Visibility::new(&prepared);
@@ -113,8 +113,8 @@ fn a_spot_on_a_ceiling_casts_what_one_polygon_in_its_place_would() {
         on_floor.xy() + (on_plate - on_floor).xy() * CEILING_M / (on_plate.z - on_floor.z)
     };
     let world = |segment: &DSegment| segment.ends_m.map(|end| end + origin);
-    // The plane through a plate's edge and the line on the floor meets the ceiling in a line through the source's vertex: two such
-    // planes tell where that is.
+    // The plane through a plate's edge and the line on the floor meets the ceiling in a line through the source's
+    // vertex: two such planes tell where that is.
     let mut lines: Vec<(usize, [DVec2; 2])> = Vec::new();
     for segment in &floor {
         let Event::VertexEdge { source, occluder, .. } = segment.event else { continue };
