@@ -37,16 +37,13 @@ use crate::visibility::{FlatSource, Memory, PlaneView, ReceiverPoint, Visibility
 const WEAK_OF_MEAN: f64 = 2e-2;
 /// Below this share of what is weak a patch is faint: one ray tells whether it is seen.
 const FAINT_OF_WEAK: f64 = 0.25;
-/// The multiples of these, less whole numbers, are points spread evenly over a square (Roberts, *The unreasonable effectiveness of
-/// quasirandom sequences*, 2018).
-const LOTS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
 /// Rays to a weak patch above that.
 const RAYS: usize = 4;
 /// A patch with subpatches is looked at as a whole past at most so many faces: the time that shadows take grows with the square
 /// of their number.
 const MOST_BETWEEN: usize = 12;
-/// What is seen of a weak patch past no more than so many faces is found exactly, as fast as by rays: in narrow gaps these miss much.
-const FEW_BETWEEN: usize = 6;
+/// What is seen of a weak patch past no more than so many faces is found exactly: that takes no longer than a few rays.
+const FEW_BETWEEN: usize = 3;
 /// A faint patch farther away than so many of its radii is a point: what that errs of its factor is about a hundredth.
 const FAR_RADII: f64 = 8.0;
 
@@ -79,8 +76,6 @@ pub struct Irradiance<'a> {
 struct ReflectingPatch {
     source: FlatSource,
     middle_m: DVec2,
-    /// A point of it, drawn by lot.
-    lot_m: DVec2,
     radius_m: f64,
     area_m2: f64,
     /// The most that it reflects anywhere, in W/m2.
@@ -104,7 +99,6 @@ impl<'a> Irradiance<'a> {
             let plane = prepared.faces[patch.face].plane;
             ReflectingPatch {
                 middle_m: *centroid_m,
-                lot_m: drawn_point(corners_m, id.index()),
                 radius_m: corners_m.iter().map(|corner_m| corner_m.distance(*centroid_m)).fold(0.0, f64::max),
                 area_m2: patch.area_m2,
                 greatest: reflected.greatest(id),
@@ -239,7 +233,7 @@ impl<'a> Irradiance<'a> {
             if subpatches.is_none() || self.reflected.is_linear(patch, factor) {
                 // A ray to what lies below the horizon would leave through the receiver's own plane.
                 let is_faint = most_of_mean < FAINT_OF_WEAK * WEAK_OF_MEAN;
-                if is_faint && view.over_horizon_m(reflecting.lot_m) > 0.0 {
+                if is_faint && view.over_horizon_m(reflecting.middle_m) > 0.0 {
                     return self.add_ray(sight, patch, factor, terms);
                 }
                 let Some(beam) = self.visibility.beam(receiver, *view, &reflecting.source) else { return };
@@ -270,8 +264,8 @@ impl<'a> Irradiance<'a> {
 
     /// Adds a patch of this factor where a ray sees its middle.
     fn add_ray(&self, sight: &Sight<'_>, patch: PatchId, factor: f64, terms: &mut impl FnMut(Term)) {
-        let ReflectingPatch { source, lot_m, .. } = &self.sources[patch];
-        if self.sees(sight, source, *lot_m) {
+        let ReflectingPatch { source, middle_m, .. } = &self.sources[patch];
+        if self.sees(sight, source, *middle_m) {
             terms(self.reflected.term_of_whole(&sight.view, patch, factor));
         }
     }
@@ -302,20 +296,6 @@ impl<'a> Irradiance<'a> {
         let (from_m, to_m) = (sight.receiver.position_m, source.frame.to_3d(at_m));
         !self.visibility.occluded_among(sight.among, from_m, to_m, [sight.receiver.plane, source.plane])
     }
-}
-
-/// A point of a convex polygon, drawn by lot, evenly by area: the same for the same number.
-fn drawn_point(corners_m: &[DVec2], number: usize) -> DVec2 {
-    let [s, t] = LOTS.map(|step| ((number as f64 + 0.5) * step).fract());
-    let doubled_m2 = |i: usize| (corners_m[i] - corners_m[0]).perp_dot(corners_m[i + 1] - corners_m[0]).abs();
-    let mut left = s * (1..corners_m.len() - 1).map(doubled_m2).sum::<f64>();
-    let mut i = 1;
-    while i + 2 < corners_m.len() && left > doubled_m2(i) {
-        left -= doubled_m2(i);
-        i += 1;
-    }
-    let share = if doubled_m2(i) > 0.0 { (left / doubled_m2(i)).clamp(0.0, 1.0) } else { 0.5 };
-    corners_m[0].lerp(corners_m[i].lerp(corners_m[i + 1], t), share.sqrt())
 }
 
 /// The terms of what a point receives.
