@@ -100,6 +100,7 @@ pub(crate) struct BakeArgs {
 pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     interrupt::listen()?;
     check_folder(&args.output)?;
+    check_is_not_the_scene(&args.scene, &args.output)?;
     if let Some(reuse) = &args.reuse {
         check_folder(reuse)?;
         anyhow::ensure!(
@@ -149,6 +150,9 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
             quality(&step)
         ));
     }
+    if let Some(guessed) = summary::guessed(&step.bake.report.prepare) {
+        output::warning(&format!("{}: {guessed}", args.scene.display()));
+    }
     let summary = summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, begin.elapsed());
     output.say(&format!("{summary}Wrote {} ({})", args.output.display(), summary::bytes(written.bytes)))?;
     reuse.map_or(Ok(()), |reuse| reuse.finish(output))
@@ -184,6 +188,17 @@ fn check_folder(output: &Path) -> anyhow::Result<()> {
         output.display(),
         folder.display()
     );
+    Ok(())
+}
+
+/// Fails where a bake would replace its own scene, which has what no baked file has: emission, and surfaces in their own mesh.
+fn check_is_not_the_scene(scene: &Path, output: &Path) -> anyhow::Result<()> {
+    let is_scene = match (scene.canonicalize(), output.canonicalize()) {
+        (Ok(scene), Ok(output)) => scene == output,
+        // What is not there yet is another file.
+        _ => false,
+    };
+    anyhow::ensure!(!is_scene, "{}: is the scene itself: give the baked file another name", output.display());
     Ok(())
 }
 
