@@ -46,19 +46,14 @@ impl Surroundings<'_> {
         let reaches = |ends_m: [DVec3; 2]| {
             planes.iter().all(|plane| ends_m.iter().any(|&end| plane.signed_distance_m(end) > slack_m))
         };
-        let mut faces: Vec<FaceId> = Vec::new();
+        let mut others: BTreeSet<EdgeId> = BTreeSet::new();
         self.visibility.walk(
             |lo, hi| planes.iter().all(|plane| heights_m(plane, lo, hi)[1] > slack_m),
             |face| {
-                faces.push(face);
+                others.extend(self.prepared.faces[face].sides.iter().flatten().map(|side| side.edge));
                 ControlFlow::Continue(())
             },
         );
-        if self.is_edge_walled_off(&faces, &corners, last.ends_m) {
-            return Vec::new();
-        }
-        let sides = faces.iter().flat_map(|&face| self.prepared.faces[face].sides.iter().flatten());
-        let others: BTreeSet<EdgeId> = sides.map(|side| side.edge).collect();
         let nearer = others.into_iter().filter(|&edge| edge != last.edge);
         let nearer = nearer.filter_map(|edge| self.features.occluders.of(edge));
         let mut segments = Vec::new();

@@ -3,8 +3,7 @@
 //! In a building most lamps and edges are in different rooms. To trace their wedges is to look at all that is in their plane, only
 //! to find that nothing arrives; one wall between them tells the same at once. A wall is all faces of one plane that cross the
 //! plane of the rays without a gap: where both ends of the source are before the wall and both ends of the occluder behind
-//! it, all rays between them cross it between the crossings of the outermost ones. In space, the same holds of the hull of the
-//! crossings.
+//! it, all rays between them cross it between the crossings of the outermost ones.
 //!
 //! ```text
 //!    p === q     source                  p, q on one side, a, b on the other;
@@ -14,18 +13,13 @@
 //!      a === b   occluder
 //! ```
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::features::Surroundings;
 use super::wedge::{Crossing, Wedge, chord};
-use crate::geometry::{clip, convex, polygon};
 use crate::id::{FaceId, PlaneId};
 use crate::prepare::Facing;
-
-/// A wall is whole if what it leaves open of the hull of the crossings is less than this share: rounding of its border, on which a
-/// ceiling that shines may end.
-const OPEN: f64 = 1e-5;
 
 /// A piece of a wall, from one place along it to another, and the places between which rays cross the wall.
 type Piece = (PlaneId, [f64; 2], [f64; 2]);
@@ -77,44 +71,6 @@ impl Surroundings<'_> {
             whole_to + slack_m >= high
         })
     }
-
-    /// Whether a wall stands between the hull of some points, some of which may be on the wall, and an edge. `faces` are all that
-    /// reach into the hull of both.
-    pub(super) fn is_edge_walled_off(&self, faces: &[FaceId], points: &[DVec3], edge: [DVec3; 2]) -> bool {
-        let slack_m = self.coplanar_m();
-        let wall_of = |face: FaceId| (self.prepared.faces[face].plane, self.prepared.faces[face].facing);
-        let is_between = |&face: &FaceId| {
-            let wall = self.prepared.oriented_plane(face);
-            [1.0, -1.0].into_iter().any(|sign| {
-                let mut heights_m = points.iter().map(|&point| sign * wall.signed_distance_m(point));
-                edge.iter().all(|&end| sign * wall.signed_distance_m(end) < -slack_m)
-                    && heights_m.clone().all(|height_m| height_m >= -slack_m)
-                    && heights_m.any(|height_m| height_m > slack_m)
-            })
-        };
-        let mut between: SmallVec<[FaceId; 8]> = faces.iter().copied().filter(is_between).collect();
-        between.sort_unstable_by_key(|&face| (wall_of(face), face));
-        between.chunk_by(|&one, &other| wall_of(one) == wall_of(other)).any(|wall| {
-            let frame = &self.prepared.planes[wall_of(wall[0]).0];
-            let crossing = |from: DVec3, to: DVec3| {
-                let [from_m, to_m] = [from, to].map(|p| frame.plane.signed_distance_m(p));
-                frame.to_2d(from.lerp(to, from_m / (from_m - to_m)))
-            };
-            let hull = convex::hull(points.iter().flat_map(|&point| edge.map(|end| crossing(point, end))).collect());
-            let area_m2 = |corners: &[DVec2]| polygon::signed_area_2d_m2(corners).abs();
-            let covered_m2 = |&face: &FaceId| {
-                let mut flat: SmallVec<[DVec2; 8]> =
-                    self.visibility.boundary_m(face).iter().map(|&p| frame.to_2d(p)).collect();
-                // Clipping takes polygons that run counter-clockwise.
-                if polygon::signed_area_2d_m2(&flat) < 0.0 {
-                    flat.reverse();
-                }
-                area_m2(&clip::intersection(&hull, &flat))
-            };
-            let whole_m2 = area_m2(&hull);
-            whole_m2 > slack_m * slack_m && wall.iter().map(covered_m2).sum::<f64>() >= (1.0 - OPEN) * whole_m2
-        })
-    }
 }
 
 #[cfg(test)]
@@ -163,39 +119,6 @@ mod tests {
         let (source, occluder) = ([0.0, 2.0], [1.0, 5.0]);
         assert!(walled(&[[0.0, 1.0], [1.0, 2.5], [2.5, 4.0]], source, occluder));
         assert!(!walled(&[[0.0, 1.0], [1.1, 4.0]], source, occluder));
-    }
-
-    #[test]
-    fn an_emitter_and_an_edge_are_walled_off_by_what_covers_the_hull_of_their_crossings() {
-        // Crossings at z = 1: x from 0.5 to 2.5, y from -0.5 to 0.5.
-        let emitter = [[0.0, -1.0], [2.0, -1.0], [2.0, 1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
-        let edge = [DVec3::new(1.0, 0.0, 2.0), DVec3::new(3.0, 0.0, 2.0)];
-        let walled = |walls: &[[f64; 2]]| {
-            with_walls(walls, |around| {
-                let faces: Vec<FaceId> = around.prepared.faces.keys().collect();
-                around.is_edge_walled_off(&faces, &emitter, edge)
-            })
-        };
-        assert!(walled(&[[0.4, 2.6]]));
-        assert!(walled(&[[0.4, 1.0], [1.0, 2.6]]));
-        assert!(!walled(&[[0.6, 2.6]]));
-        assert!(!walled(&[[0.4, 1.0], [1.01, 2.6]]));
-        assert!(!walled(&[]));
-    }
-
-    #[test]
-    fn a_ceiling_that_ends_on_a_wall_is_walled_off_by_it() {
-        let ceiling = [[1.0, -0.5, 1.0], [1.0, 0.5, 1.0], [1.0, 0.5, 0.0], [1.0, -0.5, 0.0]].map(DVec3::from);
-        let edge = [DVec3::new(2.0, -0.5, 2.0), DVec3::new(3.0, 0.5, 2.0)];
-        let walled = |walls: &[[f64; 2]]| {
-            with_walls(walls, |around| {
-                let faces: Vec<FaceId> = around.prepared.faces.keys().collect();
-                around.is_edge_walled_off(&faces, &ceiling, edge)
-            })
-        };
-        // Rays cross from where the ceiling is, at 1, to half way to the end of the edge.
-        assert!(walled(&[[1.0, 2.1]]));
-        assert!(!walled(&[[1.0, 1.8]]));
     }
 
     #[test]
