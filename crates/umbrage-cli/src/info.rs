@@ -39,7 +39,12 @@ pub(crate) fn run(args: &InfoArgs, output: Output) -> anyhow::Result<()> {
         let prepared = prepare::prepare(&scene, Progress::new(&callback));
         bar.clear();
         match prepared {
-            Ok(prepared) => text += &describe_faces(&prepared),
+            Ok(prepared) => {
+                if let Some(guessed) = summary::guessed(&prepared.report) {
+                    warning(&format!("{}: {guessed}", args.scene.display()));
+                }
+                text += &describe_faces(&prepared);
+            }
             Err(error) => warning(&format!("{}: cannot be baked: {error}", args.scene.display())),
         }
     }

@@ -89,6 +89,21 @@ fn energy(account: &EnergyAccount) -> String {
     )
 }
 
+/// What `prepare` had to guess.
+pub(crate) fn guessed(prepare: &PrepareReport) -> Option<String> {
+    let n = prepare.turned_polygons;
+    (n > 0).then(|| turned(n))
+}
+
+/// That polygons were turned over.
+pub(crate) fn turned(n: usize) -> String {
+    let polygons = count(n, "polygon of closed shells looks|polygons of closed shells look");
+    format!(
+        "{polygons} another way than most of their shells, and were turned over. That is a guess: where it is wrong, turn \
+         them in the file or make their material double-sided"
+    )
+}
+
 /// What `prepare` mended, where it mended anything.
 pub(crate) fn mended(prepare: &PrepareReport) -> Vec<String> {
     [
@@ -96,6 +111,7 @@ pub(crate) fn mended(prepare: &PrepareReport) -> Vec<String> {
         (prepare.degenerate_polygons, "polygon without area left out|polygons without area left out"),
         (prepare.duplicate_polygons, "polygon that was there twice|polygons that were there twice"),
         (prepare.nonplanar_polygons, "polygon that was not plane|polygons that were not plane"),
+        (prepare.turned_polygons, "polygon turned over|polygons turned over"),
         (prepare.t_vertices, "T-vertex of the input|T-vertices of the input"),
         (prepare.contact_edges, "contact edge"),
         (prepare.overlaps, "overlap"),

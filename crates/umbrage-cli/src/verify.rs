@@ -7,15 +7,16 @@ use std::time::Instant;
 use anyhow::Context;
 use clap::Args;
 use glam::DVec3;
+use umbrage::prepare::orient;
 use umbrage_formats::{BakedFile, read_baked};
 use umbrage_verify::{BakedTriangle, CheckedPoint, Report, Settings};
 
 use crate::interrupt;
 use crate::method::{positive, share};
-use crate::output::{Output, answer};
+use crate::output::{Output, answer, warning};
 use crate::progress::Bar;
 use crate::scene_file::SceneArgs;
-use crate::summary::{count, grouped, rgb, rounded};
+use crate::summary::{self, count, grouped, rgb, rounded};
 
 const HELP: &str = "\
 Examples:
@@ -61,7 +62,14 @@ pub(crate) struct NotGoodEnough(String);
 
 pub(crate) fn run(args: &VerifyArgs, output: Output) -> anyhow::Result<()> {
     interrupt::listen()?;
-    let scene = args.reading.read(&args.scene, args.max_reflectance)?;
+    let cannot = || format!("cannot verify {}", args.baked.display());
+    let mut scene = args.reading.read(&args.scene, args.max_reflectance)?;
+    // Which side of a polygon is lit is the scene's own business, and paths take it as the bake did.
+    scene.validate().with_context(cannot)?;
+    let turned = orient(&mut scene).with_context(cannot)?;
+    if turned > 0 {
+        warning(&format!("{}: {}", args.scene.display(), summary::turned(turned)));
+    }
     let baked = read_baked(&args.baked)?;
     let begin = Instant::now();
     let bar = Bar::new(output);
@@ -69,7 +77,7 @@ pub(crate) fn run(args: &VerifyArgs, output: Output) -> anyhow::Result<()> {
     let report =
         umbrage_verify::verify(&scene, &triangles(&baked), &settings, &|done, total| bar.step("verify", done, total));
     bar.clear();
-    let report = report.with_context(|| format!("cannot verify {}", args.baked.display()))?;
+    let report = report.with_context(cannot)?;
     answer(&describe(&report, &baked, begin.elapsed().as_secs_f64()))?;
     match args.max_error {
         Some(bound) if report.error.value > bound => {

@@ -51,8 +51,8 @@ pub enum Warning {
         /// How many nodes.
         nodes: usize,
     },
-    /// Primitives with morph targets: taken without them.
-    MorphTargetsIgnored {
+    /// Primitives with morph targets: taken at the weights that the file states.
+    MorphTargetsAtRest {
         /// How many primitives.
         primitives: usize,
     },
@@ -193,8 +193,8 @@ impl fmt::Display for Warning {
                 write!(f, "{} cut out or half transparent: light is blocked as a whole", count(*materials, "material"))
             }
             Self::SkinsAtRest { nodes } => write!(f, "{} with a skin taken in rest pose", count(*nodes, "node")),
-            Self::MorphTargetsIgnored { primitives } => {
-                write!(f, "morph targets ignored in {}", count(*primitives, "primitive"))
+            Self::MorphTargetsAtRest { primitives } => {
+                write!(f, "morph targets of {} taken as the file's weights state", count(*primitives, "primitive"))
             }
             Self::LampsFromBlender { lamps } => write!(
                 f,

@@ -5,6 +5,7 @@ mod common;
 use common::{Build, polygons, scene_path};
 use glam::DVec3;
 use serde_json::json;
+use umbrage::id::SurfaceId;
 use umbrage::scene::cornell::cornell_box;
 use umbrage::scene::{LampKind, Rgb, Scene};
 use umbrage_formats::{LampUnits, ReadOptions, UpAxis, Warning, read_scene, read_scene_bytes, read_scene_with};
@@ -281,7 +282,7 @@ fn what_is_not_used_is_counted() {
     let unknown = |name: &str, required| Warning::UnknownExtension { name: name.into(), required };
     for expected in [
         Warning::AlphaIgnored { materials: 1 },
-        Warning::MorphTargetsIgnored { primitives: 1 },
+        Warning::MorphTargetsAtRest { primitives: 1 },
         Warning::SkinsAtRest { nodes: 1 },
         Warning::AnimationsIgnored { animations: 2 },
         Warning::NodesOutsideScene { nodes: 1 },
@@ -294,6 +295,29 @@ fn what_is_not_used_is_counted() {
     let dangling = |w: &&Warning| matches!(w, Warning::TexturesIgnored { uses: 2, first } if first.contains("texture"));
     assert_eq!(warnings.iter().filter(dangling).count(), 1, "{warnings:?}");
     assert_eq!(warnings.len(), 8);
+}
+
+#[test]
+fn morph_targets_stand_as_the_weights_state() {
+    // A target that lifts the triangle by 2, and one that widens it.
+    let mut build = Build::triangle();
+    let (lift, widen) = (build.floats(&[[0.0, 0.0, 2.0]; 3]), build.floats(&[[0.0; 3], [4.0, 0.0, 0.0], [0.0; 3]]));
+    build.json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": lift}, {"POSITION": widen}, {}]);
+    let corners = |build: &Build| {
+        let (scene, warnings) = build.read().unwrap();
+        assert!(warnings.contains(&Warning::MorphTargetsAtRest { primitives: 1 }), "{warnings:?}");
+        scene.corners_m(SurfaceId::from(0), 0).collect::<Vec<_>>()
+    };
+    let plain = corners(&build);
+    build.json["meshes"][0]["weights"] = json!([0.5, 0.0, 1.0]);
+    let lifted: Vec<DVec3> = plain.iter().map(|&corner| corner + DVec3::Z).collect();
+    assert_eq!(corners(&build), lifted);
+    // Those of the node come first.
+    build.json["nodes"][0]["weights"] = json!([0, 0.25, 0]);
+    let widened: Vec<DVec3> = (0..3).map(|i| plain[i] + DVec3::X * if i == 1 { 1.0 } else { 0.0 }).collect();
+    assert_eq!(corners(&build), widened);
+    build.json["nodes"][0]["weights"] = json!(["much"]);
+    assert!(build.read().unwrap_err().to_string().contains("node 0"));
 }
 
 #[test]

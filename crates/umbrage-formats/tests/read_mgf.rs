@@ -132,6 +132,17 @@ fn a_face_with_holes_is_prepared_with_its_area() {
 }
 
 #[test]
+fn a_face_whose_vertices_have_normals_is_smooth() {
+    let text =
+        "v e =\np 2 0 0\nn 1 0 0\nv f =\np 3 0 0\nn 0 1 0\nv g =\np 3 1 0\nn 0 0 -5\nxf -rx 90\nf e f g\nf a b d\nxf\n";
+    let normals: Vec<glam::DVec3> = scene(text).surfaces.raw[0].normals.clone();
+    // Turned with what they belong to; where one vertex has none, the face has none.
+    let expected = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.0; 3], [0.0; 3], [0.0; 3]];
+    assert_eq!(normals.len(), 6);
+    assert!(normals.iter().zip(expected).all(|(n, e)| n.distance(e.into()) < 1e-12), "{normals:?}");
+}
+
+#[test]
 fn transforms_nest_and_act_on_what_they_enclose() {
     let scene = scene("xf -t 10 0 0\nxf -s 2 -t 0 0 1\nf a b c d\nxf\nf a b c d\nxf\nf a b c d\n");
     assert_eq!(corners_mm(&scene), [[10_000, 0, 1000], [10_000, 0, 0], [0, 0, 0]]);

@@ -18,6 +18,7 @@ mod item;
 mod lamp;
 mod material;
 mod meshopt;
+mod morph;
 mod node;
 mod primitive;
 mod read;

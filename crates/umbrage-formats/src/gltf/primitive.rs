@@ -10,6 +10,7 @@ use super::accessor::{Accessor, Component};
 use super::base_texture::BaseTexture;
 use super::document::Document;
 use super::item::Item;
+use super::morph::Displacements;
 use super::node;
 use super::tally::{PRIMITIVE_COST, Tally};
 use crate::FormatError;
@@ -42,12 +43,13 @@ pub(super) struct Polygons {
     pub(super) colour: Rgb,
 }
 
-/// A primitive's polygons in the world, or nothing if it has none. `place` names node, mesh and primitive.
+/// A primitive's polygons in the world, or nothing if it has none. `place` names node, mesh and primitive; `weights` are those of
+/// its morph targets.
 pub(super) fn polygons(
     document: &Document,
     primitive: &Item<'_>,
     place: &str,
-    world: &DAffine3,
+    (world, weights): (&DAffine3, &[f64]),
     tally: &mut Tally,
 ) -> Result<Option<Polygons>, FormatError> {
     tally.unfold(PRIMITIVE_COST, document, place)?;
@@ -76,11 +78,13 @@ pub(super) fn polygons(
         }
         None => None,
     };
-    let mut polygons = place_in_world(document, &positions, &used, triangles, world)?;
+    let moved = Displacements::of(document, primitive, (place, "POSITION"), weights, tally)?;
+    let mut polygons = place_in_world(document, (&positions, &moved), &used, triangles, world)?;
     if let Some(colours) = colours {
         polygons.colour = average_colour(&colours, &used, &polygons, tally);
     }
-    polygons.normals = normals(document, attributes.as_ref(), place, &used, world, tally)?;
+    let turned = Displacements::of(document, primitive, (place, "NORMAL"), weights, tally)?;
+    polygons.normals = normals(document, (attributes.as_ref(), &turned), place, &used, world, tally)?;
     polygons.used = used;
     Ok(Some(polygons))
 }
@@ -88,7 +92,7 @@ pub(super) fn polygons(
 /// The normals of the vertices that are used, in the world; none where the file has not one for each.
 fn normals(
     document: &Document,
-    attributes: Option<&Item<'_>>,
+    (attributes, turned): (Option<&Item<'_>>, &Displacements<'_>),
     place: &str,
     used: &[u32],
     world: &DAffine3,
@@ -100,7 +104,8 @@ fn normals(
     let turn = node::normal_matrix(world);
     let one = |&vertex: &u32| {
         let vertex = vertex as usize;
-        let normal = (vertex < normals.count).then(|| turn * DVec3::from(normals.element::<3>(vertex, 0.0)));
+        let normal = (vertex < normals.count)
+            .then(|| turn * (DVec3::from(normals.element::<3>(vertex, 0.0)) + turned.at(vertex)));
         normal.and_then(DVec3::try_normalize)
     };
     Ok(used.iter().map(one).collect::<Option<_>>().unwrap_or_default())
@@ -220,14 +225,14 @@ fn corners(mode: usize, triangle: usize) -> [usize; 3] {
 /// Takes the vertices that the triangles use, in ascending order, to the world.
 fn place_in_world(
     document: &Document,
-    positions: &Accessor<'_>,
+    (positions, moved): (&Accessor<'_>, &Displacements<'_>),
     used: &[u32],
     mut triangles: Vec<[u32; 3]>,
     world: &DAffine3,
 ) -> Result<Polygons, FormatError> {
     let mut positions_m = Vec::with_capacity(used.len());
     for &vertex in used {
-        let local = DVec3::from(positions.element::<3>(vertex as usize, 0.0));
+        let local = DVec3::from(positions.element::<3>(vertex as usize, 0.0)) + moved.at(vertex as usize);
         let position = world.transform_point3(local);
         if !position.is_finite() {
             return Err(FormatError::NotFinite {

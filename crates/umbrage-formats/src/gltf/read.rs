@@ -17,7 +17,7 @@ use super::node::{self, Placed};
 use super::primitive::Polygons;
 use super::tally::Tally;
 use super::texture::{Images, ShownTexture};
-use super::{camera, lamp, primitive};
+use super::{camera, lamp, morph, primitive};
 use crate::beside::Folder;
 use crate::{FormatError, LampUnits, ReadOptions, Warning};
 
@@ -122,14 +122,15 @@ impl Reader<'_> {
         let node = self.push_node(item.name(), parent, shown)?;
         self.scene.nodes[node].extras = item.json("extras");
         if let Some(mesh) = &mesh {
+            let weights = morph::weights(item, mesh)?;
             match instances {
-                None => self.mesh(mesh, &item.place, node, &placed.world)?,
+                None => self.mesh((mesh, &weights), &item.place, node, &placed.world)?,
                 // Each instance becomes a node below, as each gets a mesh of its own in the output.
                 Some(instances) => {
                     for (number, instance) in instances.iter().enumerate() {
                         let below = self.push_node(None, Some(node), Some(mesh))?;
                         let place = format!("{}, instance {number}", item.place);
-                        self.mesh(mesh, &place, below, &(placed.world * *instance))?;
+                        self.mesh((mesh, &weights), &place, below, &(placed.world * *instance))?;
                     }
                 }
             }
@@ -154,10 +155,10 @@ impl Reader<'_> {
         Ok(self.scene.nodes.push_and_get_key(Node { name, parent, mesh_name, extras: None, mesh_extras }))
     }
 
-    /// Adds the surfaces of a mesh that a node shows.
+    /// Adds the surfaces of a mesh that a node shows, its morph targets at these weights.
     fn mesh(
         &mut self,
-        mesh: &Item<'_>,
+        (mesh, weights): (&Item<'_>, &[f64]),
         shown_by: &str,
         node: NodeId,
         world: &glam::DAffine3,
@@ -165,7 +166,7 @@ impl Reader<'_> {
         for (number, primitive) in mesh.children("primitives", "primitive")?.enumerate() {
             let primitive = primitive?;
             let place = format!("{shown_by}, {}, primitive {number}", mesh.place);
-            let polygons = primitive::polygons(self.document, &primitive, &place, world, &mut self.tally)?;
+            let polygons = primitive::polygons(self.document, &primitive, &place, (world, weights), &mut self.tally)?;
             let Some(polygons) = polygons else { continue };
             let number = match primitive.whole("material")? {
                 Some(index) => {

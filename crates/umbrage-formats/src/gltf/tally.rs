@@ -69,7 +69,7 @@ impl Tally {
         warn(self.masked_materials, |materials| Warning::AlphaIgnored { materials });
         warn(self.blended_polygons, |polygons| Warning::BlendedPassedOn { polygons });
         warn(self.skinned_nodes, |nodes| Warning::SkinsAtRest { nodes });
-        warn(self.morphed_primitives, |primitives| Warning::MorphTargetsIgnored { primitives });
+        warn(self.morphed_primitives, |primitives| Warning::MorphTargetsAtRest { primitives });
         warn(self.blender_lamps, |lamps| Warning::LampsFromBlender { lamps });
         warn(self.bad_cameras, |cameras| Warning::CamerasLeftOut { cameras });
         warn(self.animations, |animations| Warning::AnimationsIgnored { animations });

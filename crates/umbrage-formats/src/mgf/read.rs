@@ -273,14 +273,13 @@ impl Reader {
         let (vertices, segments) = (&self.vertices, self.segments);
         let statement = Statement { place, keyword, words, vertices, segments };
         let solid = if keyword == "f" || keyword == "fh" {
-            let (corners, cost) = statement.face()?;
+            let (face, cost) = statement.face()?;
             self.builder.budget.spend(cost, place.file, || place.name())?;
-            let Some(positions) = corners else {
+            let Some(face) = face else {
                 self.tally.too_few_corners += 1;
                 return Ok(());
             };
-            let polygon = (0..positions.len() as u32).collect();
-            Solid { positions, normals: Vec::new(), polygons: vec![polygon] }
+            face
         } else {
             let (solid, curved) = statement.solid()?;
             self.tally.curved_shapes += usize::from(curved);

@@ -29,8 +29,9 @@ pub(super) struct Statement<'a> {
 
 impl Statement<'_> {
     /// A polygon (`f`), or one with holes (`fh`, loops with `-` between), and what finding its seams costs. A loop with
-    /// fewer than three corners is left out, a face without an outline is no polygon.
-    pub(super) fn face(&self) -> Result<(Option<Vec<DVec3>>, u64), FormatError> {
+    /// fewer than three corners is left out, a face without an outline is no polygon. Where all corners of a face without
+    /// holes have a normal, the face stands for a smooth surface.
+    pub(super) fn face(&self) -> Result<(Option<Solid>, u64), FormatError> {
         let loops = self.words.split(|word| self.keyword == "fh" && *word == "-");
         let loops = loops.map(|names| names.iter().map(|name| self.position(name)).collect());
         let mut loops = loops.collect::<Result<Vec<Vec<DVec3>>, _>>()?;
@@ -39,7 +40,12 @@ impl Statement<'_> {
         if !outlined {
             return Ok((None, 0));
         }
-        if loops.len() == 1 { Ok((loops.pop(), 0)) } else { Ok((Some(hole::bridged(&loops)), hole::cost(&loops))) }
+        if loops.len() > 1 {
+            return Ok((Some(Solid::polygon(hole::bridged(&loops), Vec::new())), hole::cost(&loops)));
+        }
+        let normal = |name: &&str| self.vertices.get(self.place, name).ok().and_then(|v| v.normal.try_normalize());
+        let normals = self.words.iter().map(normal).collect::<Option<_>>().unwrap_or_default();
+        Ok((loops.pop().map(|corners| Solid::polygon(corners, normals)), 0))
     }
 
     /// The polygons of another shape, and whether it is curved.

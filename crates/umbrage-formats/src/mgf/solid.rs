@@ -13,12 +13,18 @@ use glam::DVec3;
 pub(super) struct Solid {
     pub(super) positions: Vec<DVec3>,
     /// Unit normals of the curved surface at the positions, or against its fronts; zero where it has a tip; none for a shape
-    /// with plane sides.
+    /// with plane sides, or as many as positions.
     pub(super) normals: Vec<DVec3>,
     pub(super) polygons: Vec<Vec<u32>>,
 }
 
 impl Solid {
+    /// One polygon.
+    pub(super) fn polygon(positions: Vec<DVec3>, normals: Vec<DVec3>) -> Self {
+        let polygon = (0..positions.len() as u32).collect();
+        Self { positions, normals, polygons: vec![polygon] }
+    }
+
     /// Corners of all polygons.
     pub(super) fn corners(&self) -> usize {
         self.polygons.iter().map(Vec::len).sum()

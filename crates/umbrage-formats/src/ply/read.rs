@@ -1,7 +1,7 @@
 //! A PLY as a [`Scene`]: one node, one surface, the grey material `default`.
 //!
-//! Of vertices the properties `x`, `y` and `z` are taken, of faces the list `vertex_indices` (or `vertex_index`);
-//! polygons stay what they are. Colours, other properties and other elements are passed over with a warning.
+//! Of vertices the properties `x`, `y` and `z` are taken, and `nx`, `ny` and `nz`, the normal of a smooth surface; of faces
+//! the list `vertex_indices` (or `vertex_index`); polygons stay what they are. Colours, other properties and other elements are passed over with a warning.
 
 use std::path::Path;
 
@@ -17,6 +17,9 @@ use crate::{FormatError, ReadOptions, Warning};
 
 /// Names of the list of a face's corners.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
+/// Properties of vertices that are the position, and the normal.
+const POSITION: [&str; 3] = ["x", "y", "z"];
+const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
 /// Properties of vertices that are colours.
 const COLOURS: [&str; 3] = ["red", "diffuse_red", "r"];
 
@@ -38,12 +41,15 @@ pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(
     let name = builder.name().to_owned();
     let node = builder.node(&name, None, &file, || "the header".into())?;
     let surface = builder.surface(node, material);
+    let mut vertices = header.elements.iter().filter(|element| element.name == "vertex");
+    let with_normals = vertices.all(|element| NORMAL.iter().all(|name| has(element, &[name])));
     let body = Body::new(&file, header.encoding, bytes, header.length);
     let mut reader = Reader {
         file: &file,
         body,
         builder,
         surface,
+        with_normals,
         vertices: 0,
         unknown: Unknown::default(),
         coloured: 0,
@@ -61,6 +67,8 @@ struct Reader<'a> {
     body: Body<'a>,
     builder: SceneBuilder,
     surface: SurfaceId,
+    /// Whether all vertices have a normal.
+    with_normals: bool,
     vertices: usize,
     unknown: Unknown,
     coloured: usize,
@@ -97,17 +105,23 @@ impl Reader<'_> {
     }
 
     fn vertex(&mut self, element: &Element, number: u64) -> Result<(), FormatError> {
-        let mut position = DVec3::ZERO;
+        let (mut position, mut normal) = (DVec3::ZERO, DVec3::ZERO);
         for property in &element.properties {
-            let axis = ["x", "y", "z"].iter().position(|name| *name == property.name);
-            match (axis, property.length) {
-                (Some(axis), None) => {
+            let axis_of = |names: [&str; 3]| names.iter().position(|name| *name == property.name);
+            match (axis_of(POSITION), axis_of(NORMAL), property.length) {
+                (Some(axis), _, None) => {
                     position[axis] = self.body.number(property.kind, || place(element, number))?;
+                }
+                (_, Some(axis), None) => {
+                    normal[axis] = self.body.number(property.kind, || place(element, number))?;
                 }
                 _ => self.skip(property, element, number)?,
             }
         }
         self.builder.position(self.surface, position);
+        if self.with_normals {
+            self.builder.corner(self.surface, normal.normalize_or_zero(), None);
+        }
         if !position.is_finite() {
             let (file, place) = (self.file.to_owned(), place(element, number));
             return Err(FormatError::NotFinite { file, place, value: position.to_string() });
@@ -226,6 +240,21 @@ mod tests {
         for big in [false, true] {
             assert_eq!(read(&binary(big)).unwrap(), (scene.clone(), warnings.clone()));
         }
+    }
+
+    #[test]
+    fn normals_are_taken_where_all_of_them_are_there() {
+        let with = text().replace("property uchar red", "property float nx\nproperty float ny\nproperty float nz");
+        let normal = |i: usize| ["0 0 2", "0 3 0", "nan 0 1", "0 0 0"][i];
+        let row = |(i, row): (usize, &str)| match row.strip_suffix(" 9") {
+            Some(corner) => format!("{corner} {}", normal(i)),
+            None => row.to_owned(),
+        };
+        let (header, rows) = with.split_once("end_header\n").unwrap();
+        let rows: Vec<String> = rows.lines().enumerate().map(row).collect();
+        let read_with = |header: &str| read(format!("{header}end_header\n{}\n", rows.join("\n")).as_bytes()).unwrap().0;
+        assert_eq!(read_with(header).surfaces.raw[0].normals, [DVec3::Z, DVec3::Y, DVec3::ZERO, DVec3::ZERO]);
+        assert!(read_with(&header.replace("ny", "confidence")).surfaces.raw[0].normals.is_empty());
     }
 
     #[test]

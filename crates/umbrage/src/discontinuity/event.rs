@@ -46,6 +46,9 @@ impl Surroundings<'_> {
         if open.is_empty() {
             return Vec::new();
         }
+        if self.is_walled_off(&wedge, [apex; 2], edge.ends_m, |face| edge.is_beside(face)) {
+            return Vec::new();
+        }
         let pieces = wedge.pieces(self.visibility, 0.0, |face| edge.is_beside(face));
         let hiding = trace::part_at(&pieces, 1.0, true);
         let beyond = trace::part_at(&pieces, 1.0, false);
@@ -69,6 +72,9 @@ impl Surroundings<'_> {
             !steps.iter().any(in_one_plane) && corner::slope_jump(&steps, to_eye, towards.plane.normal) != Rgb::ZERO
         });
         if open.is_empty() {
+            return Vec::new();
+        }
+        if self.is_walled_off(&towards, source.ends_m, [apex; 2], |_| false) {
             return Vec::new();
         }
         let away = towards.opposite();

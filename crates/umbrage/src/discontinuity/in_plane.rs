@@ -40,6 +40,10 @@ impl Surroundings<'_> {
     pub(super) fn in_plane(&self, given: &InPlane<'_>, event: Event) -> Vec<DSegment> {
         let flat = |line: [DVec3; 2]| line.map(|end| given.plane.project(end));
         let (source, occluder) = (flat(given.source), flat(given.occluder));
+        let between = source.iter().find_map(|&apex| Wedge::new(apex, occluder, self.weld_m()));
+        if between.is_some_and(|wedge| self.is_walled_off(&wedge, source, occluder, given.beside)) {
+            return Vec::new();
+        }
         let mut faces: Vec<FaceId> = Vec::new();
         let mut segments = Vec::new();
         for apex in source {

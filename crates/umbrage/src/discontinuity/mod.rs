@@ -34,6 +34,7 @@ mod strength;
 mod strength_of_three;
 mod three_edges;
 mod trace;
+mod walled_off;
 mod wedge;
 
 pub use bright_part::Reflecting;

@@ -144,7 +144,14 @@ mod tests {
                     corners.reverse();
                 }
                 let surface = SurfaceId::from(0);
-                Polygon { surface, corners, sources: Vec::new(), area_m2: size_m * size_m, double_sided: false }
+                Polygon {
+                    surface,
+                    number: 0,
+                    corners,
+                    sources: Vec::new(),
+                    area_m2: size_m * size_m,
+                    double_sided: false,
+                }
             })
             .collect();
         planes(&soup, &points, &TOLERANCE).of_polygon

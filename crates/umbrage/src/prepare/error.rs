@@ -21,11 +21,20 @@ pub enum PrepareError {
         most_m: f64,
     },
     /// No polygon has an area.
-    #[error("{place}: there is no area, nor in any of the other {others} polygons: nothing can be baked")]
+    #[error("{place}: has no area{}: nothing can be baked", of_others(*others))]
     NoArea {
         /// The first polygon.
         place: String,
         /// How many other polygons there are.
         others: usize,
     },
+}
+
+/// That other polygons are no better.
+fn of_others(others: usize) -> String {
+    match others {
+        0 => String::new(),
+        1 => ", nor has the other polygon".into(),
+        n => format!(", nor has any of the other {n} polygons"),
+    }
 }

@@ -3,15 +3,16 @@
 //! The steps, each in a file of its own:
 //! 1. `weld`: a frame around the scene's centre; corners become shared points.
 //! 2. `soup`: polygons without degenerate ones and duplicates, all of them plane.
-//! 3. `coplanar`: every polygon gets its plane; what lies in one plane has one id.
-//! 4. `skin`: texture coordinates and smooth normals, as functions of the position.
-//! 5. `contact`: the segments along which polygons of different planes meet.
-//! 6. `node`: all edges of all planes are cut until they meet in end points only.
-//! 7. `arrangement`: the cells of each plane, and what each shows to either side.
-//! 8. `needed`: only edges where something changes stay; so triangles become polygons again.
-//! 9. `convex`: cells fall into few, well-shaped convex pieces.
-//! 10. `diagonal`: borders between pieces are cut where other planes' vertices touch them.
-//! 11. `assemble`: pieces become faces, in an order that depends on the scene only.
+//! 3. `orient`: polygons of closed shells look the way that most of their shell does.
+//! 4. `coplanar`: every polygon gets its plane; what lies in one plane has one id.
+//! 5. `skin`: texture coordinates and smooth normals, as functions of the position.
+//! 6. `contact`: the segments along which polygons of different planes meet.
+//! 7. `node`: all edges of all planes are cut until they meet in end points only.
+//! 8. `arrangement`: the cells of each plane, and what each shows to either side.
+//! 9. `needed`: only edges where something changes stay; so triangles become polygons again.
+//! 10. `convex`: cells fall into few, well-shaped convex pieces.
+//! 11. `diagonal`: borders between pieces are cut where other planes' vertices touch them.
+//! 12. `assemble`: pieces become faces, in an order that depends on the scene only.
 
 mod arrangement;
 mod assemble;
@@ -26,6 +27,7 @@ mod merge;
 mod near;
 mod needed;
 mod node;
+mod orient;
 mod shell;
 mod sides;
 mod skin;
@@ -38,6 +40,7 @@ mod weld;
 
 pub use error::PrepareError;
 pub use face::{DirectedEdge, Edge, Face, Facing, PrepareReport, Prepared, PreparedError, Side};
+pub use orient::orient;
 pub use shell::{Shells, shells};
 pub use skin::Skin;
 pub(crate) use skin::is_smooth_at;

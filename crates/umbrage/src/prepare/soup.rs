@@ -22,6 +22,8 @@ use crate::scene::Scene;
 pub(super) struct Polygon {
     /// The surface that it came from.
     pub(super) surface: SurfaceId,
+    /// Which of the surface's polygons it is, or is a triangle of.
+    pub(super) number: usize,
     /// Its corners, counter-clockwise seen from its front.
     pub(super) corners: Vec<VertexId>,
     /// Which of its surface's corners each of them is.
@@ -57,7 +59,8 @@ pub(super) fn polygons(scene: &Scene, frame: &Frame, points: &mut Points, report
             let corners: Vec<(VertexId, u32)> = s.polygons[number].iter().map(place).collect();
             report.welded_corners += corners.len() - (points.len() - before);
             let (corners, sources): (Vec<VertexId>, Vec<u32>) = without_spikes(corners).into_iter().unzip();
-            let polygon = Polygon { surface, area_m2: area_m2(&corners, points), corners, sources, double_sided };
+            let polygon =
+                Polygon { surface, number, area_m2: area_m2(&corners, points), corners, sources, double_sided };
             let Some(plane) = plane_of(&polygon, points, &frame.tolerance) else {
                 report.degenerate_polygons += 1;
                 continue;

@@ -14,6 +14,7 @@ use super::coplanar::{self, Planes};
 use super::diagonal;
 use super::needed::{self, NeededEdge, Use};
 use super::node::Segments;
+use super::orient;
 use super::skin::Skins;
 use super::soup::{self, Polygon};
 use super::triangulation::Triangulation;
@@ -69,11 +70,12 @@ pub fn prepare_with(
     let frame = Frame::of_scene(scene)?;
     let tolerance = frame.tolerance;
     let mut points = Points::new(tolerance.weld_m());
-    let soup =
+    let mut soup =
         if tolerance.extent_m > 0.0 { soup::polygons(scene, &frame, &mut points, &mut report) } else { Vec::new() };
     if soup.is_empty() {
         return Err(no_area(scene));
     }
+    report.turned_polygons = orient::turn(&mut soup);
     let corners = points.len();
     pulse(1)?;
     let planes = coplanar::planes(&soup, &points, &tolerance);

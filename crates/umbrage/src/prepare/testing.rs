@@ -25,6 +25,7 @@ impl Small {
             .enumerate()
             .map(|(i, corners)| Polygon {
                 surface: SurfaceId::from(i),
+                number: 0,
                 area_m2: polygon::area_m2(&corners.iter().map(|&c| DVec3::from(c)).collect::<Vec<_>>()),
                 corners: corners.iter().map(|&c| points.weld(DVec3::from(c))).collect(),
                 sources: Vec::new(),
