@@ -56,6 +56,7 @@ pub fn link_all(
         subdivision.subdivide(subdivision.mesh.root(p), subdivision.mesh.root(q));
     }
     let (pairs, mesh) = (subdivision.pairs, &*mesh);
+    tracing::debug!(pairs = pairs.len(), patches = mesh.patch_count(), "subdivided");
     let done = AtomicUsize::new(0);
     let links: Vec<_> = pairs
         .par_iter()
