@@ -27,7 +27,7 @@ use crate::mesh::{Mesh, MeshSettings, SplitScore};
 use crate::prepare::{self, PrepareError, PrepareReport, PrepareSettings, Prepared};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Rgb, Scene, SceneError};
-use crate::shade::{self, BakedMesh, Irradiance, Room, ShadeMeshes, ShadeSettings, Terms};
+use crate::shade::{self, BakedMesh, Bouncing, Irradiance, Room, ShadeMeshes, ShadeSettings, Terms};
 use crate::solve::{self, EnergyAccount, Solution, SolveSettings, Surfaces};
 use crate::transport::{
     self, BrightnessOracle, DirectLight, FormFactorOracle, KnownSources, Linear, Links, OracleKind, SourceMemory,
@@ -107,6 +107,11 @@ impl BakeSettings {
         } else {
             1.0
         }
+    }
+
+    /// How many times more the light itself may err than at the default tolerance, where more is asked for.
+    fn coarser_light(&self) -> f64 {
+        self.coarseness().max(1.0)
     }
 
     pub(crate) fn mesh(&self) -> MeshSettings {
@@ -345,8 +350,13 @@ pub(crate) fn solve(
             solve::solve(mesh, &surfaces, links, settings.solve, progress)?
         }
         _ => {
-            let room = Room { scene, prepared, visibility, direct: &direct, links, solve: settings.solve };
-            shade::bounce(room, mesh, &mut surfaces, before.bounced(), settings.shade.tolerance, progress)?
+            let bouncing = Bouncing {
+                solve: settings.solve,
+                tolerance: settings.shade.tolerance,
+                coarser: settings.coarser_light(),
+            };
+            let room = Room { scene, prepared, visibility, direct: &direct, links };
+            shade::bounce(room, bouncing, mesh, &mut surfaces, before.bounced(), progress)?
         }
     };
     Ok(Solved { surfaces, solution })
@@ -380,6 +390,7 @@ pub(crate) fn show(
     };
 
     let light = Irradiance::new(prepared, visibility, mesh, &solution.reflected, solution.mean_irradiance(mesh))
+        .coarser(settings.coarser_light())
         .with_memory(before.gathered());
     let mut meshes = if refined {
         let with = |segments| Mesh::new(prepared, segments, settings.mesh());

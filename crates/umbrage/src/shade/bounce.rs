@@ -18,7 +18,7 @@ use super::field::Places;
 use super::irradiance::{Irradiance, Terms};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
-use crate::progress::{Cancelled, Progress, Stage};
+use crate::progress::{Cancelled, Progress};
 use crate::scene::Scene;
 use crate::solve::{self, Solution, SolveSettings, Surfaces};
 use crate::transport::{DirectLight, Links};
@@ -51,12 +51,20 @@ pub struct Room<'a> {
     pub direct: &'a DirectLight<'a>,
     /// The links that it bounces over.
     pub links: &'a Links,
-    /// When the solution over these ends.
-    pub solve: SolveSettings,
 }
 
-/// Solves for what leaves exactly receive of what they reflect, and splits those over which that is more uneven than `tolerance`
-/// allows: a share of the mean irradiance, infinite for no splits. What links miss is in [`Surfaces::missed`] then: with that, their
+/// How exactly it bounces.
+#[derive(Clone, Copy, Debug)]
+pub struct Bouncing {
+    /// When the solution over links ends.
+    pub solve: SolveSettings,
+    /// How uneven what leaves gather may be, as a share of the mean irradiance: infinite for no splits.
+    pub tolerance: f64,
+    /// How many times more light may err than at the default tolerance.
+    pub coarser: f64,
+}
+
+/// Solves for what leaves exactly receive of what they reflect, and splits those over which that is too uneven. What links miss is in [`Surfaces::missed`] then: with that, their
 /// solution is the one returned. With a [`Memory::Noting`] the terms of the last gathering are noted; from a
 /// [`Memory::Known`] they are taken, for a scene whose light changed since, and points that are not known are gathered at.
 ///
@@ -64,29 +72,31 @@ pub struct Room<'a> {
 /// [`Cancelled`] where the progress callback asks to stop.
 pub fn bounce(
     room: Room<'_>,
+    bouncing: Bouncing,
     mesh: &mut Mesh,
     surfaces: &mut Surfaces,
     memory: Memory<'_, Terms>,
-    tolerance: f64,
     progress: Progress<'_>,
 ) -> Result<Solution, Cancelled> {
-    let Room { scene, prepared, visibility, direct, .. } = room;
-    let mut solution = solved(room, mesh, surfaces, progress)?;
+    let Room { scene, prepared, visibility, direct, links } = room;
+    let solved = |mesh: &Mesh, surfaces: &Surfaces| solve::solve(mesh, surfaces, links, bouncing.solve, progress);
+    let mut solution = solved(mesh, surfaces)?;
     let places = Places::new(prepared);
     let mut bounced_light = BouncedLight::default();
     for _ in 0..MOST_GATHERINGS {
         let (sources, looked_at) = (mesh.clone(), solution.clone());
         let mean = looked_at.mean_irradiance(&sources);
-        let light = Irradiance::new(prepared, visibility, &sources, &looked_at.reflected, mean);
+        let light =
+            Irradiance::new(prepared, visibility, &sources, &looked_at.reflected, mean).coarser(bouncing.coarser);
         let light = if let Memory::Known(_) = memory { light.with_memory(memory) } else { light };
-        let evenness = Evenness { reflectance: &surfaces.reflectance, tolerance };
+        let evenness = Evenness { reflectance: &surfaces.reflectance, tolerance: bouncing.tolerance };
         bounced_light = BouncedLight::gather(bounced_light, mesh, &places, &light, evenness, progress)?;
         let has_split = mesh.patch_count() > sources.patch_count();
         if has_split {
             surfaces.extend(scene, prepared, mesh, direct);
-            solution = solved(room, mesh, surfaces, progress)?;
+            solution = solved(mesh, surfaces)?;
         }
-        solution = settled(room, &bounced_light, mesh, &light, surfaces, solution, progress)?;
+        solution = settled(links, &solved, &bounced_light, mesh, &light, surfaces, solution)?;
         let change = solution.relative_change(&sources, &looked_at);
         tracing::debug!(change, leaves = mesh.leaves().count(), "gathered");
         if change < if has_split { SETTLED } else { LIKE } || matches!(memory, Memory::Known(_)) {
@@ -102,30 +112,25 @@ pub fn bounce(
     Ok(solution)
 }
 
-fn solved(room: Room<'_>, mesh: &Mesh, surfaces: &Surfaces, progress: Progress<'_>) -> Result<Solution, Cancelled> {
-    solve::solve(mesh, surfaces, room.links, room.solve, progress)
-}
-
 /// Bounces until light changes no more.
 fn settled(
-    room: Room<'_>,
+    links: &Links,
+    solved: &impl Fn(&Mesh, &Surfaces) -> Result<Solution, Cancelled>,
     bounced_light: &BouncedLight,
     mesh: &Mesh,
     light: &Irradiance<'_>,
     surfaces: &mut Surfaces,
     mut solution: Solution,
-    progress: Progress<'_>,
 ) -> Result<Solution, Cancelled> {
     let (mut over_links, mut before) = (true, f64::INFINITY);
-    for number in 0..MOST_BOUNCES {
-        progress.report(Stage::Solve, number, 0)?;
+    for _ in 0..MOST_BOUNCES {
         let gathered = bounced_light.over_leaves(light, &solution.reflected);
         let exactly = gathered.into_iter().map(|(leaf, gathered)| (leaf, surfaces.direct[leaf] + gathered));
         let bounced = if over_links {
             for (leaf, exactly) in exactly {
                 surfaces.missed[leaf] = surfaces.missed[leaf] + exactly - solution.irradiance[leaf];
             }
-            solved(room, mesh, surfaces, progress)?
+            solved(mesh, surfaces)?
         } else {
             solve::reflect(mesh, surfaces, &exactly.collect::<Vec<_>>(), &solution)
         };
@@ -139,7 +144,7 @@ fn settled(
         before = change;
     }
     if !over_links {
-        surfaces.missed = solve::missed(mesh, surfaces, room.links, &solution);
+        surfaces.missed = solve::missed(mesh, surfaces, links, &solution);
         solution.residual = before;
     }
     Ok(solution)
@@ -178,16 +183,11 @@ mod tests {
             let area_m2: f64 = mesh.leaves().map(|leaf| mesh.patch(leaf).area_m2).sum();
             (mesh.leaves().map(squared).sum::<f64>() / area_m2).sqrt() / 2.0
         };
-        let room = Room {
-            scene: &scene,
-            prepared: &prepared,
-            visibility: &index,
-            direct: &direct,
-            links: &links,
-            solve: settings,
-        };
-        let linked = error(&mesh, &solved(room, &mesh, &surfaces, Progress::silent()).unwrap());
-        let bounced = bounce(room, &mut mesh, &mut surfaces, Memory::None, f64::INFINITY, Progress::silent()).unwrap();
+        let room = Room { scene: &scene, prepared: &prepared, visibility: &index, direct: &direct, links: &links };
+        let bouncing = Bouncing { solve: settings, tolerance: f64::INFINITY, coarser: 1.0 };
+        let linked = solve::solve(&mesh, &surfaces, &links, settings, Progress::silent()).unwrap();
+        let linked = error(&mesh, &linked);
+        let bounced = bounce(room, bouncing, &mut mesh, &mut surfaces, Memory::None, Progress::silent()).unwrap();
         let errors = [linked, error(&mesh, &bounced)];
         // What stays, however often light bounces, is what a few rays err about weak patches behind the box.
         assert!(errors[1] < 0.2 * errors[0] && errors[1] < 0.01, "{errors:?}");

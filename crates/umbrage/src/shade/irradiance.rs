@@ -51,8 +51,8 @@ const FAR_RADII: f64 = 8.0;
 /// many trifles from what the patch stood for: those of many patches cancel.
 const STALE_TRIFLES: f64 = 20.0;
 
-/// Faces that together could not bring more than this share of the mean irradiance are a crowd, where they are far away.
-const CROWD_OF_MEAN: f64 = 2e-3;
+/// Faces that together could not bring more than this share of what is weak are a crowd, where they are far away.
+const CROWD_OF_WEAK: f64 = 0.1;
 
 /// Evaluates irradiance at points.
 #[derive(Debug)]
@@ -68,6 +68,8 @@ pub struct Irradiance<'a> {
     sources: Table<PatchId, ReflectingPatch>,
     /// Mean irradiance of all faces, over the three colours, in W/m2.
     pub(super) mean: f64,
+    /// Where a patch is weak, by what it could bring, in W/m2.
+    weak: f64,
     memory: Memory<'a, Terms>,
 }
 
@@ -111,7 +113,13 @@ impl<'a> Irradiance<'a> {
             root.greatest.max(0.0) * root.area_m2
         });
         let (mean, memory) = (mean.element_sum() / 3.0, Memory::None);
-        Self { prepared, visibility, mesh, reflected, crowds, most, sources, mean, memory }
+        let weak = WEAK_OF_MEAN * mean;
+        Self { prepared, visibility, mesh, reflected, crowds, most, sources, mean, weak, memory }
+    }
+
+    /// The same, for light that may err so many times more: what is weak may be so much brighter.
+    pub fn coarser(self, times: f64) -> Self {
+        Self { weak: times * self.weak, ..self }
     }
 
     /// The same, which looks into `memory` for what points see of the patches, or notes it there.
@@ -182,7 +190,7 @@ impl<'a> Irradiance<'a> {
             }
             let cluster = self.visibility.cluster(id);
             let Some(view) = CrowdView::new(receiver.position_m, receiver.normal, &cluster) else { continue };
-            if view.most(self.most[id]).is_some_and(|most| most < CROWD_OF_MEAN * self.mean) {
+            if view.most(self.most[id]).is_some_and(|most| most < CROWD_OF_WEAK * self.weak) {
                 if self.sees_crowd(receiver, id, view.towards()) {
                     of_crowds.push(view.term(id));
                 }
@@ -221,18 +229,18 @@ impl<'a> Irradiance<'a> {
         if reflecting.greatest <= 0.0 || view.over_horizon_m(reflecting.middle_m) <= -reflecting.radius_m {
             return;
         }
-        let most = |factor: f64| reflecting.greatest * factor / self.mean;
-        let from_afar = reflecting.factor_from_afar(view).filter(|&factor| most(factor) < FAINT_OF_WEAK * WEAK_OF_MEAN);
+        let most = |factor: f64| reflecting.greatest * factor;
+        let from_afar = reflecting.factor_from_afar(view).filter(|&factor| most(factor) < FAINT_OF_WEAK * self.weak);
         let factor = from_afar.unwrap_or_else(|| reflecting.factor(view));
-        let most_of_mean = most(factor);
-        if most_of_mean <= 0.0 {
+        let most = most(factor);
+        if most <= 0.0 {
             return;
         }
         let subpatches = self.reflected.subpatches(patch);
-        if most_of_mean < WEAK_OF_MEAN {
+        if most < self.weak {
             if subpatches.is_none() || self.reflected.is_linear(patch, factor) {
                 // A ray to what lies below the horizon would leave through the receiver's own plane.
-                let is_faint = most_of_mean < FAINT_OF_WEAK * WEAK_OF_MEAN;
+                let is_faint = most < FAINT_OF_WEAK * self.weak;
                 if is_faint && view.over_horizon_m(reflecting.middle_m) > 0.0 {
                     return self.add_ray(sight, patch, factor, terms);
                 }

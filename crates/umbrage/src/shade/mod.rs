@@ -18,6 +18,6 @@ mod shade;
 mod smooth;
 
 pub use baked_mesh::{BakedMesh, BakedMeshError, BakedPart};
-pub use bounce::{Room, bounce};
+pub use bounce::{Bouncing, Room, bounce};
 pub use irradiance::{Irradiance, Terms};
 pub use shade::{ShadeMeshes, ShadeSettings, Shaded, shade};
