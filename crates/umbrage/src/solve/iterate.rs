@@ -190,6 +190,20 @@ mod tests {
     }
 
     #[test]
+    fn a_furnace_with_all_links_on_one_level_is_exact() {
+        // Every wall is linked to every other as a whole: rows sum to 1 without being made to.
+        let prepared = fixture::prepared(&fixture::inward_box(DVec3::ZERO, DVec3::ONE));
+        let scene = fixture::scene(vec![glowing(0.5)]);
+        let (mesh, surfaces, solution) =
+            solved(&scene, &prepared, 1.0, SolveSettings { max_residual: 1e-9, max_iterations: 99 });
+        assert_eq!(mesh.patch_count(), 6);
+        for leaf in mesh.leaves() {
+            let radiosity = surfaces.exitance[leaf].x + solution.reflected[leaf].mean.x;
+            assert!((radiosity / 2.0 - 1.0).abs() < 1e-6, "{radiosity}");
+        }
+    }
+
+    #[test]
     fn what_is_emitted_is_absorbed() {
         let walls = fixture::inward_box(DVec3::ZERO, DVec3::new(1.0, 1.0, 2.0));
         let polygons: Vec<_> = walls.into_iter().enumerate().map(|(i, wall)| (wall, usize::from(i == 1))).collect();

@@ -14,12 +14,13 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-/// Nodes and weights of Gauss's rule on -1 to 1, eight points: the positive half.
-const GAUSS: [(f64, f64); 4] = [
-    (0.183434642495650, 0.362683783378362),
-    (0.525532409916329, 0.313706645877887),
-    (0.796666477413627, 0.222381034453374),
-    (0.960289856497536, 0.101228536290376),
+/// Nodes and weights of Gauss's rule on -1 to 1, ten points: the positive half.
+const GAUSS: [(f64, f64); 5] = [
+    (0.148_874_338_981_631_2, 0.295_524_224_714_752_9),
+    (0.433_395_394_129_247_2, 0.269_266_719_309_996_3),
+    (0.679_409_568_299_024_4, 0.219_086_362_515_982),
+    (0.865_063_366_688_984_5, 0.149_451_349_150_580_6),
+    (0.973_906_528_517_171_7, 0.066_671_344_308_688_1),
 ];
 
 /// The factor from `receiver_m` to `source_m`, times the receiver's area, in square metres. Both are convex, run
