@@ -16,12 +16,13 @@
 use super::bounced::{BouncedLight, Evenness};
 use super::field::Places;
 use super::irradiance::{Irradiance, Terms};
+use crate::id::{PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
-use crate::progress::{Cancelled, Progress};
-use crate::scene::Scene;
+use crate::progress::{Cancelled, Progress, Stage};
+use crate::scene::{Rgb, Scene};
 use crate::solve::{self, Solution, SolveSettings, Surfaces};
-use crate::transport::{DirectLight, Links};
+use crate::transport::{DirectLight, Linear, Links};
 use crate::visibility::{Memory, Visibility};
 
 /// Bounces go on until one changes the light by less than this share of it.
@@ -64,9 +65,10 @@ pub struct Bouncing {
     pub coarser: f64,
 }
 
-/// Solves for what leaves exactly receive of what they reflect, and splits those over which that is too uneven. What links miss is in [`Surfaces::missed`] then: with that, their
-/// solution is the one returned. With a [`Memory::Noting`] the terms of the last gathering are noted; from a
-/// [`Memory::Known`] they are taken, for a scene whose light changed since, and points that are not known are gathered at.
+/// Solves for what leaves exactly receive of what they reflect, and splits those over which that is too uneven. What links
+/// miss is in [`Surfaces::missed`] then: with that, their solution is the one returned. With a [`Memory::Noting`] the terms
+/// of the last gathering are noted; from a [`Memory::Known`] they are taken, for a scene whose light changed since, and
+/// points that are not known are gathered at.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.
@@ -96,7 +98,8 @@ pub fn bounce(
             surfaces.extend(scene, prepared, mesh, direct);
             solution = solved(mesh, surfaces)?;
         }
-        solution = settled(links, &solved, &bounced_light, mesh, &light, surfaces, solution)?;
+        let gathered = |reflected: &Table<PatchId, Linear<Rgb>>| bounced_light.over_leaves(&light, reflected);
+        solution = settled(links, &solved, &gathered, mesh, surfaces, solution, progress)?;
         let change = solution.relative_change(&sources, &looked_at);
         tracing::debug!(change, leaves = mesh.leaves().count(), "gathered");
         if change < if has_split { SETTLED } else { LIKE } || matches!(memory, Memory::Known(_)) {
@@ -116,16 +119,17 @@ pub fn bounce(
 fn settled(
     links: &Links,
     solved: &impl Fn(&Mesh, &Surfaces) -> Result<Solution, Cancelled>,
-    bounced_light: &BouncedLight,
+    gathered: &impl Fn(&Table<PatchId, Linear<Rgb>>) -> Vec<(PatchId, Linear<Rgb>)>,
     mesh: &Mesh,
-    light: &Irradiance<'_>,
     surfaces: &mut Surfaces,
     mut solution: Solution,
+    progress: Progress<'_>,
 ) -> Result<Solution, Cancelled> {
     let (mut over_links, mut before) = (true, f64::INFINITY);
-    for _ in 0..MOST_BOUNCES {
-        let gathered = bounced_light.over_leaves(light, &solution.reflected);
-        let exactly = gathered.into_iter().map(|(leaf, gathered)| (leaf, surfaces.direct[leaf] + gathered));
+    for number in 0..MOST_BOUNCES {
+        progress.report(Stage::Solve, number, 0)?;
+        let exactly =
+            gathered(&solution.reflected).into_iter().map(|(leaf, gathered)| (leaf, surfaces.direct[leaf] + gathered));
         let bounced = if over_links {
             for (leaf, exactly) in exactly {
                 surfaces.missed[leaf] = surfaces.missed[leaf] + exactly - solution.irradiance[leaf];
@@ -136,6 +140,9 @@ fn settled(
         };
         let change = bounced.relative_change(mesh, &solution);
         solution = bounced;
+        if !over_links {
+            solution.residual = change;
+        }
         tracing::debug!(change, over_links, "bounced");
         if change < UNBOUNCED {
             break;
@@ -145,7 +152,6 @@ fn settled(
     }
     if !over_links {
         surfaces.missed = solve::missed(mesh, surfaces, links, &solution);
-        solution.residual = before;
     }
     Ok(solution)
 }
@@ -153,10 +159,8 @@ fn settled(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::id::Table;
     use crate::mesh::MeshSettings;
     use crate::scene::Material;
-    use crate::scene::Rgb;
     use crate::transport::{DirectLight, FormFactorOracle, link_all};
     use crate::visibility::fixture;
     use glam::DVec3;
