@@ -16,6 +16,7 @@
 //! }                                                               shade::assemble
 //! ```
 
+use std::borrow::Cow;
 use std::time::Instant;
 
 use glam::DVec3;
@@ -260,8 +261,6 @@ pub fn bake_and_keep(
 pub(crate) struct BakeNotes {
     /// The light sources that points see.
     pub(crate) sources: Notes<SourcesSeen>,
-    /// The patches that points of the mesh that carries transport see.
-    pub(crate) bounced: Notes<Terms>,
     /// Those that points see where indirect light is gathered to be shown.
     pub(crate) gathered: Notes<Terms>,
 }
@@ -298,12 +297,8 @@ impl<'a> Before<'a> {
         }
     }
 
-    fn bounced(&self) -> Memory<'a, Terms> {
-        match self {
-            Self::Nothing => Memory::None,
-            Self::ToBeNoted(notes) => Memory::Noting(&notes.bounced),
-            Self::Known(known) => Memory::Known(known.bounced),
-        }
+    fn bounced(&self) -> Option<&'a AtPoints<Terms>> {
+        if let Self::Known(known) = self { Some(known.bounced) } else { None }
     }
 
     fn gathered(&self) -> Memory<'a, Terms> {
@@ -317,9 +312,11 @@ impl<'a> Before<'a> {
 
 /// What patches receive and reflect.
 #[derive(Debug)]
-pub(crate) struct Solved {
+pub(crate) struct Solved<'a> {
     surfaces: Surfaces,
     pub(crate) solution: Solution,
+    /// What points of the patches see of each other.
+    bounced: Cow<'a, AtPoints<Terms>>,
 }
 
 /// A bake, and what of its light another one can start from.
@@ -330,24 +327,26 @@ pub(crate) struct Lit {
     pub(crate) secondary: Table<DSegmentId, DSegment>,
     /// What links miss.
     pub(crate) missed: Table<PatchId, Linear<Rgb>>,
+    /// What points of the patches that carry transport see of each other.
+    pub(crate) bounced: AtPoints<Terms>,
 }
 
 /// Finds what patches receive and reflect, and splits those over which it is uneven.
-pub(crate) fn solve(
+pub(crate) fn solve<'a>(
     scene: &Scene,
     settings: &BakeSettings,
     linked: &mut Linked,
-    before: &Before<'_>,
+    before: &Before<'a>,
     progress: Progress<'_>,
-) -> Result<Solved, BakeError> {
+) -> Result<Solved<'a>, BakeError> {
     let Linked { meshed: Meshed { prepared, mesh, .. }, visibility, links } = linked;
     let (prepared, visibility, links) = (&*prepared, &*visibility, &*links);
     let direct = DirectLight::new(scene, prepared, visibility).with_memory(before.sources());
     let mut surfaces = Surfaces::new(scene, prepared, mesh, &direct);
-    let solution = match before {
-        Before::Known(Known { missed: Some(missed), .. }) => {
+    let (solution, bounced) = match before {
+        Before::Known(Known { missed: Some(missed), bounced, .. }) => {
             surfaces.missed.clone_from(missed);
-            solve::solve(mesh, &surfaces, links, settings.solve, progress)?
+            (solve::solve(mesh, &surfaces, links, settings.solve, progress)?, Cow::Borrowed(*bounced))
         }
         _ => {
             let bouncing = Bouncing {
@@ -356,10 +355,11 @@ pub(crate) fn solve(
                 coarser: settings.coarser_light(),
             };
             let room = Room { scene, prepared, visibility, direct: &direct, links };
-            shade::bounce(room, bouncing, mesh, &mut surfaces, before.bounced(), progress)?
+            let (solution, bounced) = shade::bounce(room, bouncing, mesh, &mut surfaces, before.bounced(), progress)?;
+            (solution, Cow::Owned(bounced))
         }
     };
-    Ok(Solved { surfaces, solution })
+    Ok(Solved { surfaces, solution, bounced })
 }
 
 /// Makes the mesh that is shown.
@@ -367,7 +367,7 @@ pub(crate) fn show(
     scene: &Scene,
     settings: &BakeSettings,
     linked: &Linked,
-    Solved { surfaces, solution }: Solved,
+    Solved { surfaces, solution, bounced }: Solved<'_>,
     before: &Before<'_>,
     mut clock: Clock,
     progress: Progress<'_>,
@@ -399,7 +399,7 @@ pub(crate) fn show(
     } else {
         ShadeMeshes { shown: mesh.clone(), gathering: mesh.clone() }
     };
-    let shaded = shade::shade(scene, prepared, &mut meshes, &direct, &light, settings.shade, progress)?;
+    let shaded = shade::shade(scene, prepared, &mut meshes, &direct, &light, &bounced, settings.shade, progress)?;
     check(|| meshes.shown.validate().map_err(|error| error.to_string()));
     check(|| shaded.mesh.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Shade);
@@ -422,7 +422,12 @@ pub(crate) fn show(
         energy,
         seconds: clock.seconds,
     };
-    Ok(Lit { bake: Bake { mesh: shaded.mesh, report }, secondary, missed: surfaces.missed })
+    Ok(Lit {
+        bake: Bake { mesh: shaded.mesh, report },
+        secondary,
+        missed: surfaces.missed,
+        bounced: bounced.into_owned(),
+    })
 }
 
 /// A d-segment in the world, for pictures.

@@ -54,12 +54,21 @@ pub fn find(
 ) -> Result<Discontinuities, Cancelled> {
     let features = Features::new(scene, prepared);
     let least = least_share * mean_irradiance(prepared, &features);
-    let (mut segments, wedges) = traced(prepared, visibility, &features, least, progress)?;
+    let (mut segments, wedges) = traced(prepared, visibility, &features, Kinds::All, least, progress)?;
     let around = Surroundings { prepared, visibility, features: &features, wedges: &AtomicUsize::new(0) };
     let contacts = contact::contacts(prepared, |face: FaceId| features.receives[face]);
     segments.extend(contacts.into_iter().map(|segment| with_strength(&around, segment)));
     segments.par_sort_by(DSegment::by_face_and_event);
     Ok(Discontinuities { emitters: features.emitters, segments: segments.into(), wedges })
+}
+
+/// Which events are traced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kinds {
+    /// All that there are.
+    All,
+    /// All but those of three edges: the faintest, and the ones whose number grows fastest with that of the edges.
+    OfTwoFeatures,
 }
 
 /// The d-segments of all pairs of features that change irradiance by at least `least`, in W/m2, over the width of their
@@ -68,11 +77,12 @@ pub(super) fn traced(
     prepared: &Prepared,
     visibility: &Visibility,
     features: &Features,
+    kinds: Kinds,
     least: f64,
     progress: Progress<'_>,
 ) -> Result<(Vec<DSegment>, usize), Cancelled> {
     let around = Surroundings { prepared, visibility, features, wedges: &AtomicUsize::new(0) };
-    let pairs = Pairs::new(prepared, features);
+    let pairs = Pairs::new(prepared, features, kinds);
     let parts = pairs.count().div_ceil(PAIRS_A_PART);
     let done = AtomicUsize::new(0);
     let found: Vec<Vec<DSegment>> = (0..parts)
@@ -113,7 +123,7 @@ struct Pairs<'a> {
 }
 
 impl<'a> Pairs<'a> {
-    fn new(prepared: &'a Prepared, features: &'a Features) -> Self {
+    fn new(prepared: &'a Prepared, features: &'a Features, kinds: Kinds) -> Self {
         let (edges, vertices) = (features.occluders.edges.len(), features.occluders.vertices.len());
         let counts = [
             features.sources.vertices.len() * edges,
@@ -122,7 +132,7 @@ impl<'a> Pairs<'a> {
             features.emitters.len() * prepared.planes.len(),
             features.emitters.len(),
             features.lamps.len() * edges,
-            features.emitters.len() * edges,
+            if kinds == Kinds::All { features.emitters.len() * edges } else { 0 },
         ];
         let mut end = 0;
         let ends = counts.map(|count| {

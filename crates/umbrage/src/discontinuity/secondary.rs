@@ -2,8 +2,8 @@
 //!
 //! After a first solution, a face that reflects much more than others is a source like any other: its outline casts EV
 //! and VE events past occluders, and where they fall indirect light bends. So does the outline of a part that is much
-//! brighter than the rest of its surface (`bright_part`). Their radiance is not quite even, so degree and strength are
-//! those of its mean; what is cut along them is the mesh that indirect light is gathered on and the one that is shown,
+//! brighter than the rest of its surface (`bright_part`). Events of three edges are left out: they are the faintest. The
+//! radiance of these sources is not quite even, so degree and strength are those of its mean; what is cut along them is the mesh that indirect light is gathered on and the one that is shown,
 //! both of which find out by themselves what a cut is worth.
 //!
 //! In a room that is lit evenly nothing is much brighter than the mean, and there are none.
@@ -11,7 +11,7 @@
 use std::f64::consts::PI;
 
 use super::bright_part::{self, BrightPart, PartlyBright, Reflecting};
-use super::find::traced;
+use super::find::{Kinds, traced};
 use super::{DSegment, Emitter, Features};
 use crate::id::{DSegmentId, FaceId, Table};
 use crate::prepare::Prepared;
@@ -24,6 +24,9 @@ use crate::visibility::Visibility;
 const BRIGHT: f64 = 4.0;
 /// Of more sources the brightest are taken, by power.
 const MOST_SOURCES: usize = 32;
+/// And only the brightest that have no more than so many pairs of a corner and an edge of the scene: what they add goes with the
+/// power of a source, and what it takes with the number of its pairs.
+const MOST_PAIRS: usize = 1_000_000;
 
 /// The d-segments of what reflects much, given all patches that are not split: those that change irradiance by at least
 /// `least`, in W/m2, over the width of their face, and those of parts much more. Events of a part of a face name
@@ -58,7 +61,7 @@ pub fn find_secondary(
     let whole = radiance.iter().filter(|radiance| **radiance != Rgb::ZERO).count();
     tracing::debug!(faces = whole, parts = parts.len(), "secondary sources");
     let features = Features::shining(scene, &lit, &radiance, parts);
-    let (mut segments, _) = traced(&lit, visibility, &features, least, progress)?;
+    let (mut segments, _) = traced(&lit, visibility, &features, Kinds::OfTwoFeatures, least, progress)?;
     segments.sort_by(DSegment::by_face_and_event);
     Ok(segments.into())
 }
@@ -74,6 +77,15 @@ struct Source {
     /// In W/m2: of a part, what it reflects over the rest.
     radiosity: Rgb,
     power_w: f64,
+}
+
+impl Source {
+    fn corner_count(&self, prepared: &Prepared) -> usize {
+        match &self.of {
+            Of::Face(face) => prepared.boundary(*face).count(),
+            Of::Part(part) => part.corners_m.len(),
+        }
+    }
 }
 
 /// The secondary sources, the brightest first.
@@ -106,6 +118,13 @@ fn secondary_sources(prepared: &Prepared, patches: &[Reflecting]) -> Vec<Source>
     }
     sources.sort_by(|p, q| q.power_w.total_cmp(&p.power_w));
     sources.truncate(MOST_SOURCES);
+    let mut left = MOST_PAIRS;
+    let is_affordable = |source: &&Source| {
+        left = left.saturating_sub(source.corner_count(prepared) * prepared.edges.len());
+        left > 0
+    };
+    let affordable = sources.iter().take_while(is_affordable).count();
+    sources.truncate(affordable);
     sources
 }
 

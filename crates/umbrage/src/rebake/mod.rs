@@ -155,7 +155,7 @@ pub fn bake_to_reuse(
     let notes = BakeNotes::default();
     let before = Before::ToBeNoted(&notes);
     let solved = solve(scene, settings, &mut linked, &before, progress)?;
-    let Lit { bake, secondary, missed } = show(scene, settings, &linked, solved, &before, clock, progress)?;
+    let Lit { bake, secondary, missed, bounced } = show(scene, settings, &linked, solved, &before, clock, progress)?;
     let Linked { meshed: Meshed { prepared, discontinuities, mesh }, links, .. } = linked;
     let kept = Kept {
         settings: format!("{settings:?}"),
@@ -167,7 +167,7 @@ pub fn bake_to_reuse(
         links: links.as_slice().to_vec(),
         missed: missed.into(),
         sources: notes.sources.finish(),
-        bounced: notes.bounced.finish(),
+        bounced,
         gathered: notes.gathered.finish(),
     };
     Ok((bake, kept))

@@ -23,7 +23,7 @@ use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Rgb, Scene};
 use crate::solve::{self, Solution, SolveSettings, Surfaces};
 use crate::transport::{DirectLight, Linear, Links};
-use crate::visibility::{Memory, Visibility};
+use crate::visibility::{AtPoints, Memory, Visibility};
 
 /// Bounces go on until one changes the light by less than this share of it.
 const UNBOUNCED: f64 = 1e-5;
@@ -66,9 +66,9 @@ pub struct Bouncing {
 }
 
 /// Solves for what leaves exactly receive of what they reflect, and splits those over which that is too uneven. What links
-/// miss is in [`Surfaces::missed`] then: with that, their solution is the one returned. With a [`Memory::Noting`] the terms
-/// of the last gathering are noted; from a [`Memory::Known`] they are taken, for a scene whose light changed since, and
-/// points that are not known are gathered at.
+/// miss is in [`Surfaces::missed`] then: with that, their solution is the one returned, with the terms of the last gathering.
+/// From those that are `known` of a scene whose light changed since they are taken, and points that are not known are
+/// gathered at.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.
@@ -77,9 +77,9 @@ pub fn bounce(
     bouncing: Bouncing,
     mesh: &mut Mesh,
     surfaces: &mut Surfaces,
-    memory: Memory<'_, Terms>,
+    known: Option<&AtPoints<Terms>>,
     progress: Progress<'_>,
-) -> Result<Solution, Cancelled> {
+) -> Result<(Solution, AtPoints<Terms>), Cancelled> {
     let Room { scene, prepared, visibility, direct, links } = room;
     let solved = |mesh: &Mesh, surfaces: &Surfaces| solve::solve(mesh, surfaces, links, bouncing.solve, progress);
     let mut solution = solved(mesh, surfaces)?;
@@ -90,7 +90,7 @@ pub fn bounce(
         let mean = looked_at.mean_irradiance(&sources);
         let light =
             Irradiance::new(prepared, visibility, &sources, &looked_at.reflected, mean).coarser(bouncing.coarser);
-        let light = if let Memory::Known(_) = memory { light.with_memory(memory) } else { light };
+        let light = light.with_memory(known.map_or(Memory::None, Memory::Known));
         let evenness = Evenness { reflectance: &surfaces.reflectance, tolerance: bouncing.tolerance };
         bounced_light = BouncedLight::gather(bounced_light, mesh, &places, &light, evenness, progress)?;
         let has_split = mesh.patch_count() > sources.patch_count();
@@ -102,17 +102,14 @@ pub fn bounce(
         solution = settled(links, &solved, &gathered, mesh, surfaces, solution, progress)?;
         let change = solution.relative_change(&sources, &looked_at);
         tracing::debug!(change, leaves = mesh.leaves().count(), "gathered");
-        if change < if has_split { SETTLED } else { LIKE } || matches!(memory, Memory::Known(_)) {
+        if change < if has_split { SETTLED } else { LIKE } || known.is_some() {
             break;
         }
         if change >= LIKE {
             bounced_light = BouncedLight::default();
         }
     }
-    if let Memory::Noting(notes) = memory {
-        bounced_light.note(notes);
-    }
-    Ok(solution)
+    Ok((solution, bounced_light.into_points()))
 }
 
 /// Bounces until light changes no more.
@@ -191,7 +188,7 @@ mod tests {
         let bouncing = Bouncing { solve: settings, tolerance: f64::INFINITY, coarser: 1.0 };
         let linked = solve::solve(&mesh, &surfaces, &links, settings, Progress::silent()).unwrap();
         let linked = error(&mesh, &linked);
-        let bounced = bounce(room, bouncing, &mut mesh, &mut surfaces, Memory::None, Progress::silent()).unwrap();
+        let (bounced, _) = bounce(room, bouncing, &mut mesh, &mut surfaces, None, Progress::silent()).unwrap();
         let errors = [linked, error(&mesh, &bounced)];
         // What stays, however often light bounces, is what a few rays err about weak patches behind the box.
         assert!(errors[1] < 0.2 * errors[0] && errors[1] < 0.01, "{errors:?}");

@@ -22,7 +22,7 @@ use crate::mesh::Mesh;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::Rgb;
 use crate::transport::Linear;
-use crate::visibility::{Notes, ReceiverPoint};
+use crate::visibility::{AtPoints, ReceiverPoint};
 
 /// Points between two reports of progress.
 const POINTS_A_REPORT: usize = 16;
@@ -204,9 +204,9 @@ impl BouncedLight {
         self.leaves.par_iter().map(over).collect()
     }
 
-    /// Notes what points see.
-    pub(super) fn note(self, notes: &Notes<Terms>) {
-        self.points.into_iter().for_each(|(point, terms)| notes.note(&point, terms));
+    /// What its points see.
+    pub(super) fn into_points(self) -> AtPoints<Terms> {
+        AtPoints::new(self.points)
     }
 }
 

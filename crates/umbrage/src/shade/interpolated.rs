@@ -5,6 +5,7 @@
 
 use glam::DVec2;
 
+use super::plain::PlainFace;
 use super::refine::Refined;
 use crate::id::{FaceId, PatchId, Table};
 use crate::mesh::Mesh;
@@ -40,6 +41,21 @@ impl Element {
     }
 }
 
+/// The triangles around the middle of a face.
+fn fan(mesh: &Mesh, face: FaceId, plain: &PlainFace) -> Vec<Element> {
+    let frame = mesh.frame(face);
+    let middle_m = frame.to_2d(mesh.patch(mesh.root(face)).centroid_m);
+    let corners: Vec<(DVec2, Rgb)> =
+        plain.corners.iter().map(|&(vertex, value)| (frame.to_2d(mesh.vertex_m(vertex)), value)).collect();
+    let triangle = |i: usize| {
+        let [(here_m, here), (next_m, next)] = [corners[i], corners[(i + 1) % corners.len()]];
+        let values = [plain.in_middle, here, next];
+        let middles = [0, 1, 2].map(|k| 0.5 * (values[k] + values[(k + 1) % 3]));
+        Element { corners_m: [middle_m, here_m, next_m], values, middles }
+    };
+    (0..corners.len()).map(triangle).collect()
+}
+
 /// A field that is quadratic over the triangles of the leaves of a mesh of its own.
 #[derive(Clone, Debug)]
 pub(super) struct Interpolated<'a> {
@@ -48,8 +64,8 @@ pub(super) struct Interpolated<'a> {
 }
 
 impl<'a> Interpolated<'a> {
-    /// The field that was refined on `mesh`.
-    pub(super) fn new(mesh: &'a Mesh, refined: &Refined) -> Self {
+    /// The field that was refined on `mesh` and is linear over the fans of the faces that are `plain`.
+    pub(super) fn new(mesh: &'a Mesh, refined: &Refined, plain: &Table<FaceId, Option<PlainFace>>) -> Self {
         let mut elements: Table<PatchId, Vec<Element>> = vec![Vec::new(); mesh.patch_count()].into();
         for leaf in mesh.leaves() {
             let frame = mesh.frame(mesh.patch(leaf).face);
@@ -61,6 +77,11 @@ impl<'a> Interpolated<'a> {
                     Element { corners_m, values, middles }
                 })
                 .collect();
+        }
+        for (face, plain) in plain.iter_enumerated() {
+            if let Some(plain) = plain {
+                elements[mesh.root(face)] = fan(mesh, face, plain);
+            }
         }
         Self { mesh, elements }
     }

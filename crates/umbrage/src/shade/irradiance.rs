@@ -15,73 +15,56 @@
 //! Before: a point lies inside its triangle, never on an edge or a contact: there the limit depends on the direction, and
 //! the caller chooses it by where it puts the point.
 
-use std::f64::consts::PI;
-
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
-use smallvec::SmallVec;
 
-use super::crowd::{Crowd, CrowdTerm, CrowdView, drawn};
+use super::crowd::{Crowd, CrowdTerm};
 use super::field::Field;
+use super::gathering::Gathering;
 use super::reflected::{FlatPatch, Reflected, Term};
-use crate::id::{ClusterId, FaceId, PatchId, Table};
+use crate::id::{ClusterId, PatchId, Table};
 use crate::mesh::{Mesh, Patch};
 use crate::prepare::Prepared;
 use crate::scene::Rgb;
-use crate::transport::form_factor::factor_in_view;
 use crate::transport::{DirectLight, Linear};
-use crate::visibility::{FlatSource, Memory, PlaneView, ReceiverPoint, Visibility};
+use crate::visibility::{FlatSource, Memory, ReceiverPoint, Visibility};
 
 /// A patch that could not bring more than this share of the mean irradiance is weak: what a few rays err about the part of
 /// it that is seen is a fraction of that, and independent from patch to patch.
 const WEAK_OF_MEAN: f64 = 2e-2;
-/// Below this share of what is weak a patch is faint: one ray tells whether it is seen.
-const FAINT_OF_WEAK: f64 = 0.25;
-/// Rays to a weak patch above that.
-const RAYS: usize = 4;
-/// A patch with subpatches is looked at as a whole past at most so many faces: the time that shadows take grows with the square
-/// of their number.
-const MOST_BETWEEN: usize = 12;
-/// What is seen of a weak patch past no more than so many faces is found exactly: that takes no longer than a few rays.
-const FEW_BETWEEN: usize = 3;
-/// A faint patch farther away than so many of its radii is a point: what that errs of its factor is about a hundredth.
-const FAR_RADII: f64 = 8.0;
 
 /// What was found at a point is looked for again where a patch that it sees is split since, and light on that departs by more than so
 /// many trifles from what the patch stood for: those of many patches cancel.
 const STALE_TRIFLES: f64 = 20.0;
 
-/// Faces that together could not bring more than this share of what is weak are a crowd, where they are far away.
-const CROWD_OF_WEAK: f64 = 0.1;
-
 /// Evaluates irradiance at points.
 #[derive(Debug)]
 pub struct Irradiance<'a> {
     prepared: &'a Prepared,
-    visibility: &'a Visibility,
-    mesh: &'a Mesh,
-    reflected: Reflected<'a>,
+    pub(super) visibility: &'a Visibility,
+    pub(super) mesh: &'a Mesh,
+    pub(super) reflected: Reflected<'a>,
     /// What the faces of each cluster send.
-    crowds: Table<ClusterId, Crowd>,
+    pub(super) crowds: Table<ClusterId, Crowd>,
     /// The most that they could send if all of them reflected as their brightest points do, in W.
-    most: Table<ClusterId, f64>,
-    sources: Table<PatchId, ReflectingPatch>,
+    pub(super) most: Table<ClusterId, f64>,
+    pub(super) sources: Table<PatchId, ReflectingPatch>,
     /// Mean irradiance of all faces, over the three colours, in W/m2.
     pub(super) mean: f64,
     /// Where a patch is weak, by what it could bring, in W/m2.
-    weak: f64,
+    pub(super) weak: f64,
     memory: Memory<'a, Terms>,
 }
 
 /// A patch as a source.
 #[derive(Debug)]
-struct ReflectingPatch {
-    source: FlatSource,
-    middle_m: DVec2,
-    radius_m: f64,
-    area_m2: f64,
+pub(super) struct ReflectingPatch {
+    pub(super) source: FlatSource,
+    pub(super) middle_m: DVec2,
+    pub(super) radius_m: f64,
+    pub(super) area_m2: f64,
     /// The most that it reflects anywhere, in W/m2.
-    greatest: f64,
+    pub(super) greatest: f64,
 }
 
 impl<'a> Irradiance<'a> {
@@ -134,7 +117,7 @@ impl<'a> Irradiance<'a> {
             return self.memory.read(receiver, || self.find_terms(receiver), |terms| self.sum_of(terms));
         }
         let mut sum = Rgb::ZERO;
-        let crowds = self.add_terms(receiver, &mut |term| sum += self.reflected.of(&term));
+        let crowds = Gathering::new(self, receiver, |term| sum += self.reflected.of(&term)).gather();
         sum + crowds.iter().map(|term| term.of(&self.crowds)).sum::<Rgb>()
     }
 
@@ -171,138 +154,13 @@ impl<'a> Irradiance<'a> {
 
     fn find_terms(&self, receiver: &ReceiverPoint) -> Terms {
         let mut of_patches = Vec::new();
-        let of_crowds = self.add_terms(receiver, &mut |term| of_patches.push(term));
+        let of_crowds = Gathering::new(self, receiver, |term| of_patches.push(term)).gather();
         Terms { of_patches: of_patches.into_boxed_slice(), of_crowds: of_crowds.into_boxed_slice() }
     }
 
     /// What crowds send where patches reflect `radiosity`, in W/m2.
     pub(super) fn crowds_of(&self, radiosity: &Table<PatchId, Linear<Rgb>>) -> Table<ClusterId, Crowd> {
         crowds(self.prepared, self.visibility, self.mesh, radiosity)
-    }
-
-    /// Adds the terms of patches that are not in crowds; those of crowds are returned.
-    fn add_terms(&self, receiver: &ReceiverPoint, terms: &mut impl FnMut(Term)) -> Vec<CrowdTerm> {
-        let mut of_crowds = Vec::new();
-        let mut open: SmallVec<[ClusterId; 64]> = self.visibility.whole_cluster().into_iter().collect();
-        while let Some(id) = open.pop() {
-            if self.most[id] <= 0.0 {
-                continue;
-            }
-            let cluster = self.visibility.cluster(id);
-            let Some(view) = CrowdView::new(receiver.position_m, receiver.normal, &cluster) else { continue };
-            if view.most(self.most[id]).is_some_and(|most| most < CROWD_OF_WEAK * self.weak) {
-                if self.sees_crowd(receiver, id, view.towards()) {
-                    of_crowds.push(view.term(id));
-                }
-                continue;
-            }
-            open.extend(cluster.parts.into_iter().flatten());
-            for face in self.visibility.cluster_faces(id) {
-                let root = self.mesh.root(face);
-                if let Some(view) = self.visibility.view(receiver, &self.sources[root].source) {
-                    self.add_patch(&Sight { receiver, view, among: None }, root, terms);
-                }
-            }
-        }
-        of_crowds
-    }
-
-    /// Whether a ray to one of its faces sees a crowd, which sends `towards` the point.
-    fn sees_crowd(&self, receiver: &ReceiverPoint, crowd: ClusterId, towards: DVec3) -> bool {
-        let sent = |face: FaceId| {
-            let root = self.mesh.root(face);
-            let cosine = self.sources[root].source.frame.plane.normal.dot(towards).max(0.0);
-            cosine * self.sources[root].area_m2 * self.sources[root].greatest.max(0.0)
-        };
-        drawn(self.visibility, &self.crowds, sent, crowd, towards).is_some_and(|face| {
-            let ReflectingPatch { source, middle_m, .. } = &self.sources[self.mesh.root(face)];
-            let (to_m, planes) = (source.frame.to_3d(*middle_m), [receiver.plane, source.plane]);
-            let above = receiver.normal.dot(to_m - receiver.position_m) > 0.0;
-            above && !self.visibility.occluded(receiver.position_m, to_m, planes)
-        })
-    }
-
-    /// Adds the terms of a patch in the plane that is viewed.
-    fn add_patch(&self, sight: &Sight<'_>, patch: PatchId, terms: &mut impl FnMut(Term)) {
-        let Sight { receiver, view, among } = sight;
-        let reflecting = &self.sources[patch];
-        if reflecting.greatest <= 0.0 || view.over_horizon_m(reflecting.middle_m) <= -reflecting.radius_m {
-            return;
-        }
-        let most = |factor: f64| reflecting.greatest * factor;
-        let from_afar = reflecting.factor_from_afar(view).filter(|&factor| most(factor) < FAINT_OF_WEAK * self.weak);
-        let factor = from_afar.unwrap_or_else(|| reflecting.factor(view));
-        let most = most(factor);
-        if most <= 0.0 {
-            return;
-        }
-        let subpatches = self.reflected.subpatches(patch);
-        if most < self.weak {
-            if subpatches.is_none() || self.reflected.is_linear(patch, factor) {
-                // A ray to what lies below the horizon would leave through the receiver's own plane.
-                let is_faint = most < FAINT_OF_WEAK * self.weak;
-                if is_faint && view.over_horizon_m(reflecting.middle_m) > 0.0 {
-                    return self.add_ray(sight, patch, factor, terms);
-                }
-                let Some(beam) = self.visibility.beam(receiver, *view, &reflecting.source) else { return };
-                let between = self.visibility.between(&beam, *among);
-                if between.len() > FEW_BETWEEN {
-                    let sight = Sight { among: Some(&between), ..*sight };
-                    return self.add_rays(&sight, patch, factor, terms);
-                }
-                let seen = self.visibility.seen_in(beam, Some(&between));
-                if !seen.is_nothing() {
-                    self.reflected.add_terms(view, patch, seen, terms);
-                }
-                return;
-            }
-            return subpatches.into_iter().flatten().for_each(|part| self.add_patch(sight, part, terms));
-        }
-        let Some(beam) = self.visibility.beam(receiver, *view, &reflecting.source) else { return };
-        let between = self.visibility.between(&beam, *among);
-        let sight = Sight { among: Some(&between), ..*sight };
-        if between.len() > MOST_BETWEEN && subpatches.is_some() {
-            return subpatches.into_iter().flatten().for_each(|part| self.add_patch(&sight, part, terms));
-        }
-        let seen = self.visibility.seen_in(beam, sight.among);
-        if !seen.is_nothing() {
-            self.reflected.add_terms(view, patch, seen, terms);
-        }
-    }
-
-    /// Adds a patch of this factor where a ray sees its middle.
-    fn add_ray(&self, sight: &Sight<'_>, patch: PatchId, factor: f64, terms: &mut impl FnMut(Term)) {
-        let ReflectingPatch { source, middle_m, .. } = &self.sources[patch];
-        if self.sees(sight, source, *middle_m) {
-            terms(self.reflected.term_of_whole(&sight.view, patch, factor));
-        }
-    }
-
-    /// Adds what a few rays see of a patch of this factor, as if it were so all over it above the horizon.
-    fn add_rays(&self, sight: &Sight<'_>, patch: PatchId, factor: f64, terms: &mut impl FnMut(Term)) {
-        let ReflectingPatch { source, middle_m, .. } = &self.sources[patch];
-        let view = &sight.view;
-        let mut whole = 0.0;
-        let mut seen: SmallVec<[(f64, DVec2); RAYS]> = SmallVec::new();
-        for ray in 0..RAYS {
-            // Half way from the middle to corners that are spread around.
-            let at_m = middle_m.midpoint(source.corners_m[ray * source.corners_m.len() / RAYS]);
-            let along = view.towards_m(at_m);
-            let exchange = view.normal.dot(along).max(0.0) * view.height_m / along.length_squared().powi(2);
-            whole += exchange;
-            if exchange > 0.0 && self.sees(sight, source, at_m) {
-                seen.push((exchange, at_m));
-            }
-        }
-        for (exchange, at_m) in seen {
-            terms(Term::new(patch, factor * exchange / whole, at_m - *middle_m));
-        }
-    }
-
-    /// Whether a point of a source is seen.
-    fn sees(&self, sight: &Sight<'_>, source: &FlatSource, at_m: DVec2) -> bool {
-        let (from_m, to_m) = (sight.receiver.position_m, source.frame.to_3d(at_m));
-        !self.visibility.occluded_among(sight.among, from_m, to_m, [sight.receiver.plane, source.plane])
     }
 }
 
@@ -341,30 +199,6 @@ fn crowds(
     })
 }
 
-/// A point that looks at a plane.
-struct Sight<'a> {
-    receiver: &'a ReceiverPoint,
-    view: PlaneView,
-    /// The faces that may stand between; all where none are given.
-    among: Option<&'a [FaceId]>,
-}
-
-impl ReflectingPatch {
-    /// Factor of a point to the patch, if nothing stood between.
-    fn factor(&self, view: &PlaneView) -> f64 {
-        let above = view.above_horizon(&self.source.corners_m);
-        factor_in_view(view, above.as_deref().unwrap_or(&self.source.corners_m)).max(0.0)
-    }
-
-    /// The same as if it were a point, where it is far away and wholly above the horizon.
-    fn factor_from_afar(&self, view: &PlaneView) -> Option<f64> {
-        let towards = view.towards_m(self.middle_m);
-        let (over_m, squared) = (view.normal.dot(towards), towards.length_squared());
-        let is_far = squared >= (FAR_RADII * self.radius_m).powi(2) && over_m >= self.radius_m;
-        is_far.then(|| self.area_m2 * over_m * view.height_m / (PI * squared * squared))
-    }
-}
-
 /// Direct light as a field.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Direct<'a>(pub(super) &'a DirectLight<'a>);
@@ -388,13 +222,16 @@ impl Field for Indirect<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::id::FaceId;
     use crate::mesh::MeshSettings;
     use crate::progress::Progress;
     use crate::scene::Material;
     use crate::solve::{SolveSettings, Surfaces, solve};
+    use crate::transport::form_factor::factor_in_view;
     use crate::transport::{FormFactorOracle, link_all};
     use crate::visibility::fixture;
-    use glam::Vec3Swizzles;
+    use glam::{DVec3, Vec3Swizzles};
+    use std::f64::consts::PI;
 
     /// Irradiance, direct and indirect, at points of faces given by shares of their first and last side.
     fn at_points(

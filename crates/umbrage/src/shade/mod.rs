@@ -8,9 +8,11 @@ mod corner_group;
 mod crowd;
 mod element;
 mod field;
+mod gathering;
 mod interpolated;
 mod irradiance;
 mod part;
+mod plain;
 mod refine;
 mod reflected;
 #[expect(clippy::module_inception, reason = "the module's main function is named like the module")]

@@ -26,9 +26,9 @@ const LEAST_SHARE_OF_LEAVES: f64 = 0.02;
 const LARGE_OF_ALL: f64 = 2e-3;
 /// No element may err by more than so many tolerances of its own light, besides one tolerance of the mean light: what is dim is
 /// little of the mean error, and is looked at all the same.
-const OWN_TOLERANCES: f64 = 10.0;
+pub(super) const OWN_TOLERANCES: f64 = 10.0;
 /// Leaves smaller than this share of all area may.
-const LEAST_OF_ALL: f64 = 1e-7;
+pub(super) const LEAST_OF_ALL: f64 = 1e-7;
 /// No refinement needs more rounds: each halves the greatest errors at least.
 const MOST_ROUNDS: usize = 60;
 
@@ -66,25 +66,27 @@ pub(super) struct Refined {
     pub(super) error: f64,
 }
 
-/// Splits the leaves that `receives` admits until the field is interpolated within the tolerance.
+/// Splits the leaves that `receives` admits until the field is interpolated within the tolerance; `known` are values of it that are
+/// known.
 pub(super) fn refine(
     mesh: &mut Mesh,
     places: &Places<'_>,
     field: &impl Field,
+    known: Values,
     receives: impl Fn(&Mesh, PatchId) -> bool,
     settings: RefineSettings,
     progress: Progress<'_>,
 ) -> Result<Refined, Cancelled> {
-    let mut refined = Refined { values: Values::default(), elements: Vec::new(), shifts: Vec::new(), error: 0.0 };
+    let mut refined = Refined { values: known, elements: Vec::new(), shifts: Vec::new(), error: 0.0 };
     // Boundary points that each patch had when it was looked at.
-    let mut known: Vec<Option<usize>> = Vec::new();
+    let mut points_of: Vec<Option<usize>> = Vec::new();
     for round in 0..MOST_ROUNDS {
-        known.resize(mesh.patch_count(), None);
+        points_of.resize(mesh.patch_count(), None);
         refined.elements.resize(mesh.patch_count(), Vec::new());
         let leaves: Vec<PatchId> = mesh.leaves().filter(|&leaf| receives(mesh, leaf)).collect();
         let large_m2 = LARGE_OF_ALL * leaves.iter().map(|&leaf| mesh.patch(leaf).area_m2).sum::<f64>();
         // With more points the triangles are others.
-        let is_stale = |leaf: PatchId| known[leaf.index()].is_none_or(|points| points != mesh.boundary(leaf).len());
+        let is_stale = |leaf: PatchId| points_of[leaf.index()].is_none_or(|points| points != mesh.boundary(leaf).len());
         let stale: Vec<Outlined> =
             leaves.par_iter().filter(|leaf| is_stale(**leaf)).map(|&leaf| Outlined::of(mesh, leaf)).collect();
         let requests = stale.par_iter().flat_map_iter(|leaf| leaf.requests(mesh, places)).collect();
@@ -97,7 +99,7 @@ pub(super) fn refine(
         });
         let fresh: Vec<Vec<Element>> = fresh.collect::<Result<_, Cancelled>>()?;
         for (leaf, elements) in stale.iter().zip(fresh) {
-            known[leaf.patch.index()] = Some(leaf.point_count());
+            points_of[leaf.patch.index()] = Some(leaf.point_count());
             refined.elements[leaf.patch.index()] = elements;
         }
         let elements_of = |leaf: PatchId| refined.elements[leaf.index()].iter();
@@ -200,7 +202,9 @@ mod tests {
             let mut mesh = Mesh::new(&prepared, &Table::new(), MeshSettings::default());
             let settings = RefineSettings { interpolation, tolerance: 1e-60, mean: 1.0, max_triangles: usize::MAX };
             let places = Places::new(&prepared);
-            let refined = refine(&mut mesh, &places, &Spikes, |_, _| true, settings, Progress::silent()).unwrap();
+            let refined =
+                refine(&mut mesh, &places, &Spikes, Values::default(), |_, _| true, settings, Progress::silent())
+                    .unwrap();
             let (unseen, seen): (Vec<PatchId>, Vec<PatchId>) =
                 mesh.leaves().partition(|leaf| refined.elements.get(leaf.index()).is_none_or(Vec::is_empty));
             assert!(unseen.is_empty() && seen.len() > MOST_ROUNDS, "{} of {}", unseen.len(), seen.len());
@@ -230,8 +234,10 @@ mod tests {
             let mut mesh = Mesh::new(&prepared, &Table::new(), MeshSettings::default());
             let interpolation = Interpolation::Quadratic;
             let settings = RefineSettings { interpolation, tolerance, mean: 0.3, max_triangles: usize::MAX };
-            let refined = refine(&mut mesh, &places, &Bump, |_, _| true, settings, Progress::silent()).unwrap();
-            let field = Interpolated::new(&mesh, &refined);
+            let refined =
+                refine(&mut mesh, &places, &Bump, Values::default(), |_, _| true, settings, Progress::silent())
+                    .unwrap();
+            let field = Interpolated::new(&mesh, &refined, &Table::new());
             let n = 200;
             let squared = (0..n * n).map(|i| {
                 let at = [i % n, i / n].map(|k| 2.0 * (f64::from(k) + 0.5) / f64::from(n) - 1.0);
@@ -268,8 +274,9 @@ mod tests {
         let mut mesh = Mesh::new(&prepared, &Table::new(), MeshSettings::default());
         let interpolation = Interpolation::Quadratic;
         let settings = RefineSettings { interpolation, tolerance: 3e-3, mean: 0.1, max_triangles: usize::MAX };
-        let refined = refine(&mut mesh, &places, &Reveal, |_, _| true, settings, Progress::silent()).unwrap();
-        let field = Interpolated::new(&mesh, &refined);
+        let refined =
+            refine(&mut mesh, &places, &Reveal, Values::default(), |_, _| true, settings, Progress::silent()).unwrap();
+        let field = Interpolated::new(&mesh, &refined, &Table::new());
         let mut worst = 0.0_f64;
         for i in 0..10_000 {
             let [s, t] = [0.618034, 0.754878].map(|step| (f64::from(i) * step).fract());
@@ -305,8 +312,16 @@ mod tests {
                     let mut mesh = Mesh::new(&prepared, segments, MeshSettings::default());
                     mesh.remove_d0_hints();
                     let settings = RefineSettings { interpolation, tolerance, mean, max_triangles: usize::MAX };
-                    let refined =
-                        refine(&mut mesh, &places, &Direct(&direct), receives, settings, Progress::silent()).unwrap();
+                    let refined = refine(
+                        &mut mesh,
+                        &places,
+                        &Direct(&direct),
+                        Values::default(),
+                        receives,
+                        settings,
+                        Progress::silent(),
+                    )
+                    .unwrap();
                     let elements: usize = mesh.leaves().map(|leaf| refined.elements[leaf.index()].len()).sum();
                     let points = refined.values.as_slice().len();
                     println!(

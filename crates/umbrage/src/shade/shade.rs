@@ -1,7 +1,7 @@
 //! From the solved hierarchy to what is shown.
 //!
 //! Indirect light is smooth: it is gathered from the hierarchy at few points, between which it is quadratic within a share
-//! of the tolerance, on a mesh of its own. Then what is shown is refined for the sum of exact direct light and that. At last
+//! of the tolerance, on a mesh of its own; on plain faces the points of the bounces are enough. Then what is shown is refined for the sum of exact direct light and that. At last
 //! every leaf is cut into triangles, and the light of each vertex is written down.
 //!
 //! The mesh that is shown is not the one that carried transport: that one must be well shaped, this one must follow the
@@ -9,9 +9,10 @@
 
 use super::BakedMesh;
 use super::assemble::assemble;
-use super::field::{Field, Places};
+use super::field::{Field, Places, Values};
 use super::interpolated::Interpolated;
-use super::irradiance::{Direct, Indirect, Irradiance};
+use super::irradiance::{Direct, Indirect, Irradiance, Terms};
+use super::plain::plain_faces;
 use super::refine::{Interpolation, RefineSettings, Refined, refine};
 use crate::id::PatchId;
 use crate::mesh::Mesh;
@@ -19,7 +20,7 @@ use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress};
 use crate::scene::{Rgb, Scene};
 use crate::transport::DirectLight;
-use crate::visibility::ReceiverPoint;
+use crate::visibility::{AtPoints, ReceiverPoint};
 
 /// The share of the tolerance that interpolation of indirect light may take.
 const INDIRECT_SHARE: f64 = 0.3;
@@ -82,6 +83,7 @@ pub fn shade(
     ShadeMeshes { shown: mesh, gathering }: &mut ShadeMeshes,
     direct: &DirectLight<'_>,
     irradiance: &Irradiance<'_>,
+    bounced: &AtPoints<Terms>,
     settings: ShadeSettings,
     progress: Progress<'_>,
 ) -> Result<Shaded, Cancelled> {
@@ -98,9 +100,11 @@ pub fn shade(
         mean,
         max_triangles: settings.max_triangles,
     };
-    let everywhere = |_: &Mesh, _: PatchId| true;
-    let gathered = refine(gathering, &places, &Indirect(irradiance), everywhere, smooth, progress)?;
-    let indirect = Interpolated::new(gathering, &gathered);
+    let tolerances = [smooth.tolerance, settings.tolerance].map(|tolerance| tolerance * mean);
+    let (plain, known) = plain_faces(gathering, &places, irradiance, bounced, tolerances, progress)?;
+    let is_not_plain = |mesh: &Mesh, patch: PatchId| plain[mesh.patch(patch).face].is_none();
+    let gathered = refine(gathering, &places, &Indirect(irradiance), known, is_not_plain, smooth, progress)?;
+    let indirect = Interpolated::new(gathering, &gathered, &plain);
     let total = Total { direct: Direct(direct), indirect };
     let whole = RefineSettings {
         interpolation: Interpolation::Linear,
@@ -108,7 +112,8 @@ pub fn shade(
         mean,
         max_triangles: settings.max_triangles,
     };
-    let Refined { mut values, shifts, error, .. } = refine(mesh, &places, &total, receives, whole, progress)?;
+    let Refined { mut values, shifts, error, .. } =
+        refine(mesh, &places, &total, Values::default(), receives, whole, progress)?;
     values.shift(&shifts);
     for patch in mesh.triangulate() {
         tracing::warn!(?patch, "a patch thinner than rounding is not shown");

@@ -122,6 +122,12 @@ impl Visibility {
         self.faces[face].plane
     }
 
+    /// The middle of a face's box and half its size, in metres.
+    pub fn box_m(&self, face: FaceId) -> [DVec3; 2] {
+        let IndexedFace { min_m, max_m, .. } = self.faces[face];
+        [0.5 * (min_m + max_m), 0.5 * (max_m - min_m)]
+    }
+
     /// All boundary vertices of a face, those inside straight sides included, counter-clockwise seen from its front, in
     /// metres.
     pub fn boundary_m(&self, face: FaceId) -> &[DVec3] {

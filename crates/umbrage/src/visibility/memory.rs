@@ -85,6 +85,14 @@ pub struct AtPoints<T> {
 }
 
 impl<T> AtPoints<T> {
+    /// What was found at some points: of one that is named twice, the first.
+    pub fn new(found: Vec<(ReceiverPoint, T)>) -> Self {
+        let mut noted: Vec<_> = found.into_iter().map(|(point, found)| (PointKey::of(&point), found)).collect();
+        noted.sort_by_key(|&(key, _)| key);
+        noted.dedup_by_key(|&mut (key, _)| key);
+        Self { noted }
+    }
+
     /// What was found at a point.
     pub fn get(&self, point: &ReceiverPoint) -> Option<&T> {
         let number = self.noted.binary_search_by_key(&PointKey::of(point), |&(key, _)| key).ok()?;

@@ -17,24 +17,24 @@ use crate::id::{FaceId, PlaneId};
 impl Visibility {
     /// Whether a face crosses the open segment between two points; faces in the planes `passing` are passed through.
     pub fn occluded(&self, from_m: DVec3, to_m: DVec3, passing: [PlaneId; 2]) -> bool {
-        self.occluded_among(None, from_m, to_m, passing)
+        self.blocker(None, from_m, to_m, passing).is_some()
     }
 
-    /// Whether one of some faces does, or any where none are given.
-    pub(crate) fn occluded_among(
+    /// A face that does, of some faces, or of all where none are given.
+    pub(crate) fn blocker(
         &self,
         among: Option<&[FaceId]>,
         from_m: DVec3,
         to_m: DVec3,
         passing: [PlaneId; 2],
-    ) -> bool {
-        let mut hit = false;
+    ) -> Option<FaceId> {
+        let mut hit = None;
         let visit = |face| {
             if passing.contains(&self.plane(face)) {
                 return ControlFlow::Continue(());
             }
-            hit = self.is_crossed(face, from_m, to_m);
-            if hit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            hit = self.is_crossed(face, from_m, to_m).then_some(face);
+            if hit.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let slabs = Slabs::new(from_m, to_m);
         match among {

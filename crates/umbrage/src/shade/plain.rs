@@ -1,0 +1,118 @@
+//! Plain faces: those over which what the bounces found of indirect light is enough to show it.
+//!
+//! For the bounces light was gathered at the corners and in the middle of every leaf. A face that is one leaf, and over which
+//! indirect light is so even, or which is so small, that interpolation between these points errs little of the whole, needs no more:
+//! in a scene of many small faces that is most of them. The light over it is linear over the fan of triangles around its middle.
+//!
+//! After: what plain faces err is within a share of the tolerance, and on none of them is it much of its own light; points of their
+//! corners that other faces share are known to these.
+
+use rayon::prelude::*;
+
+use super::field::{Field, Places, Values, distinct};
+use super::irradiance::{Irradiance, Terms};
+use super::refine::{LEAST_OF_ALL, OWN_TOLERANCES};
+use crate::id::{FaceId, PatchId, Table, VertexId};
+use crate::mesh::Mesh;
+use crate::progress::{Cancelled, Progress, Stage};
+use crate::scene::Rgb;
+use crate::visibility::{AtPoints, ReceiverPoint};
+
+/// The share of the squared error of indirect light that plain faces may take.
+const SHARE: f64 = 0.5;
+/// Between the middle and the corners a parabola departs from straight lines by about this share of how far its middle does.
+const OF_MIDDLE: f64 = 0.5;
+/// What five points do not tell of a field between them, as a share of how much they differ.
+const OF_SPREAD: f64 = 0.1;
+
+/// What bounces gathered, as a field; elsewhere it is gathered.
+struct Bounced<'a> {
+    light: &'a Irradiance<'a>,
+    bounced: &'a AtPoints<Terms>,
+}
+
+impl Field for Bounced<'_> {
+    fn at(&self, _: &Mesh, point: &ReceiverPoint, _: PatchId) -> Rgb {
+        self.bounced.get(point).map_or_else(|| self.light.indirect(point), |terms| self.light.sum_of(terms))
+    }
+}
+
+/// A face, as the points tell its light.
+#[derive(Clone, Debug)]
+pub(super) struct PlainFace {
+    /// Its corners and their light, in W/m2.
+    pub(super) corners: Vec<(VertexId, Rgb)>,
+    /// That of its middle.
+    pub(super) in_middle: Rgb,
+}
+
+impl PlainFace {
+    fn mean(&self) -> Rgb {
+        self.corners.iter().map(|corner| corner.1).sum::<Rgb>() / self.corners.len() as f64
+    }
+
+    /// About the mean square of what interpolation errs, over the three colours.
+    fn error_squared(&self) -> f64 {
+        let from_middle = OF_MIDDLE * (self.in_middle - self.mean());
+        let least = self.corners.iter().fold(self.in_middle, |least, corner| least.min(corner.1));
+        let most = self.corners.iter().fold(self.in_middle, |most, corner| most.max(corner.1));
+        let spread = OF_SPREAD * (most - least);
+        (from_middle * from_middle).max(spread * spread).element_sum() / 3.0
+    }
+}
+
+/// The plain faces of a mesh that is not split yet, and what is known at the corners of all faces that are one leaf of the mesh that
+/// light bounced on. `tolerance` is that of indirect light and `of_all` that of the whole, both in W/m2.
+///
+/// # Errors
+/// [`Cancelled`] where the progress callback asks to stop.
+pub(super) fn plain_faces(
+    mesh: &Mesh,
+    places: &Places<'_>,
+    light: &Irradiance<'_>,
+    bounced: &AtPoints<Terms>,
+    [tolerance, of_all]: [f64; 2],
+    progress: Progress<'_>,
+) -> Result<(Table<FaceId, Option<PlainFace>>, Values), Cancelled> {
+    let field = Bounced { light, bounced };
+    let mut values = Values::default();
+    let leaves: Vec<PatchId> = mesh.leaves().collect();
+    let mut faces: Table<FaceId, Option<PlainFace>> = vec![None; leaves.len()].into();
+    if !tolerance.is_finite() {
+        return Ok((faces, values));
+    }
+    let whole = |leaf: &&PatchId| light.mesh.patch(**leaf).subpatches.is_none();
+    let corners = |&leaf: &PatchId| mesh.corners(leaf).map(move |vertex| places.vertex(mesh, leaf, vertex));
+    let requests = leaves.iter().filter(whole).flat_map(corners).collect();
+    values.evaluate(mesh, &field, distinct(requests), Stage::Shade, progress)?;
+    let face = |leaf: &PatchId| {
+        let corner = |vertex| Some((vertex, values.get(&places.vertex(mesh, *leaf, vertex).key)?));
+        let in_middle = places.inside(mesh, *leaf, mesh.patch(*leaf).centroid_m);
+        let corners: Option<Vec<(VertexId, Rgb)>> = mesh.corners(*leaf).map(corner).collect();
+        Some(PlainFace { corners: corners?, in_middle: field.at(mesh, &in_middle, *leaf) })
+    };
+    let looked_at: Vec<(PatchId, Option<PlainFace>)> =
+        leaves.par_iter().map(|leaf| (*leaf, Some(leaf).filter(whole).and_then(face))).collect();
+    let area_m2 = |leaf: PatchId| mesh.patch(leaf).area_m2;
+    let all_m2: f64 = leaves.iter().map(|&leaf| area_m2(leaf)).sum();
+    let mut errors: Vec<(f64, PatchId, PlainFace)> = Vec::new();
+    for (leaf, face) in looked_at {
+        let Some(face) = face else { continue };
+        let squared = face.error_squared();
+        let own = face.mean().element_sum() / 3.0;
+        let most = OWN_TOLERANCES * of_all / light.mean * own + of_all;
+        if squared <= most * most || area_m2(leaf) < LEAST_OF_ALL * all_m2 {
+            errors.push((area_m2(leaf) * squared, leaf, face));
+        }
+    }
+    errors.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
+    let mut left = SHARE * tolerance * tolerance * all_m2;
+    for (error, leaf, face) in errors {
+        left -= error;
+        if left < 0.0 {
+            break;
+        }
+        faces[mesh.patch(leaf).face] = Some(face);
+    }
+    Ok((faces, values))
+}
