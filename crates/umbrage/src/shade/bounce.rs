@@ -10,8 +10,8 @@
 //! In a narrow gap links may err so much that corrections swing without end. Then light bounces by the exact sums alone,
 //! `B = rho (D + G B)`, slower and surely, since no surface reflects all.
 //!
-//! Gathering splits the leaves over which gathered light is uneven and near others. After that, points that look at a patch which is
-//! split now, and look at it closely, gather again.
+//! Gathering splits the leaves over which gathered light is uneven and near others. After that, points that look closely at a patch
+//! which is split now gather again from its face.
 
 use super::bounced::{BouncedLight, Evenness};
 use super::field::Places;

@@ -70,8 +70,8 @@ struct BouncedLeaf {
 }
 
 impl BouncedLight {
-    /// Gathers at all leaves of `mesh`, and splits those over which the light is uneven. What was gathered `before` is taken where
-    /// it is as good now.
+    /// Gathers at all leaves of `mesh`, and splits those over which the light is uneven. What was gathered `before` is taken, and
+    /// renewed where it is not as good now.
     ///
     /// # Errors
     /// [`Cancelled`] where the progress callback asks to stop.
@@ -133,8 +133,8 @@ impl BouncedLight {
             if number.is_multiple_of(POINTS_A_REPORT) {
                 progress.report(Stage::Solve, known + number, 0)?;
             }
-            let as_before = before.terms(spot).filter(|terms| light.is_as_good(terms));
-            Ok((*point, as_before.cloned().unwrap_or_else(|| light.terms(point))))
+            let as_before = before.terms(spot).map(|terms| light.renewed(point, terms));
+            Ok((*point, as_before.unwrap_or_else(|| light.terms(point))))
         };
         let gathered = wanted.par_iter().enumerate().map(gathered).collect::<Result<Vec<_>, Cancelled>>()?;
         self.numbers.extend(wanted.iter().enumerate().map(|(i, &(spot, ..))| (spot, (known + i) as u32)));

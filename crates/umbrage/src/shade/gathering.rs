@@ -80,16 +80,20 @@ impl<'a, F: FnMut(Term)> Gathering<'a, F> {
             open.extend(cluster.parts.into_iter().flatten());
             for face in visibility.cluster_faces(id) {
                 let [middle_m, half_m] = visibility.box_m(face);
-                if self.screens.hide(middle_m, half_m) {
-                    continue;
-                }
-                let root = light.mesh.root(face);
-                if let Some(view) = visibility.view(receiver, &light.sources[root].source) {
-                    self.add_patch(&Sight { view, among: None }, root);
+                if !self.screens.hide(middle_m, half_m) {
+                    self.gather_from(face);
                 }
             }
         }
         of_crowds
+    }
+
+    /// Adds the terms of the patches of a face.
+    pub(super) fn gather_from(&mut self, face: FaceId) {
+        let root = self.light.mesh.root(face);
+        if let Some(view) = self.light.visibility.view(self.receiver, &self.light.sources[root].source) {
+            self.add_patch(&Sight { view, among: None }, root);
+        }
     }
 
     /// Whether a ray to one of its faces sees a crowd, which sends `towards` the point.

@@ -22,7 +22,7 @@ use super::crowd::{Crowd, CrowdTerm};
 use super::field::Field;
 use super::gathering::Gathering;
 use super::reflected::{FlatPatch, Reflected, Term};
-use crate::id::{ClusterId, PatchId, Table};
+use crate::id::{ClusterId, FaceId, PatchId, Table};
 use crate::mesh::{Mesh, Patch};
 use crate::prepare::Prepared;
 use crate::scene::Rgb;
@@ -134,12 +134,26 @@ impl<'a> Irradiance<'a> {
         terms.sum(self.reflected.radiosity(), &self.crowds)
     }
 
-    /// Whether terms that were found before patches were split are as good now: what is split is linear, or little of what is seen.
-    pub(super) fn is_as_good(&self, terms: &Terms) -> bool {
-        terms.of_patches.chunk_by(|term, next| term.patch == next.patch).all(|of_patch| {
+    /// Terms that were found before patches were split, with those of faces anew that are not as good now: where what is split is
+    /// neither linear nor little of what is seen.
+    pub(super) fn renewed(&self, receiver: &ReceiverPoint, terms: &Terms) -> Terms {
+        let face = |term: &Term| self.mesh.patch(term.patch).face;
+        let is_stale = |of_patch: &&[Term]| {
             let factor: f64 = of_patch.iter().map(|term| f64::from(term.factor)).sum();
-            !self.reflected.departs(of_patch[0].patch, factor, STALE_TRIFLES)
-        })
+            self.reflected.departs(of_patch[0].patch, factor, STALE_TRIFLES)
+        };
+        let of_patches = terms.of_patches.chunk_by(|term, next| term.patch == next.patch);
+        let mut stale: Vec<FaceId> = of_patches.filter(is_stale).map(|of_patch| face(&of_patch[0])).collect();
+        stale.sort_unstable();
+        stale.dedup();
+        if stale.is_empty() {
+            return terms.clone();
+        }
+        let as_good = |term: &&Term| stale.binary_search(&face(term)).is_err();
+        let mut of_patches: Vec<Term> = terms.of_patches.iter().filter(as_good).copied().collect();
+        let mut gathering = Gathering::new(self, receiver, |term| of_patches.push(term));
+        stale.iter().for_each(|&face| gathering.gather_from(face));
+        Terms { of_patches: of_patches.into_boxed_slice(), of_crowds: terms.of_crowds.clone() }
     }
 
     /// The share of its view in which a point sees patches that are nearer than so many of their radii, or of `radius_m`.
@@ -222,7 +236,6 @@ impl Field for Indirect<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::id::FaceId;
     use crate::mesh::MeshSettings;
     use crate::progress::Progress;
     use crate::scene::Material;
