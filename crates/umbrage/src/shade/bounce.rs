@@ -10,13 +10,14 @@
 //! In a narrow gap links may err so much that corrections swing without end. Then light bounces by the exact sums alone,
 //! `B = rho (D + G B)`, slower and surely, since no surface reflects all.
 //!
-//! Gathering splits the leaves over which gathered light is uneven and near others. After that, points that look closely at a patch
+//! At first light is gathered in the middles of leaves alone, until what is seen of which patch is looked at as closely as that needs.
+//! Then gathering splits the leaves over which gathered light is uneven and near others. After that, points that look closely at a patch
 //! which is split now gather again from its face.
 
 use super::bounced::{BouncedLight, Evenness};
 use super::field::Places;
 use super::irradiance::{Irradiance, Terms};
-use crate::id::{PatchId, Table};
+use crate::id::PatchId;
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress, Stage};
@@ -33,7 +34,9 @@ const LIKE: f64 = 0.2;
 /// Or by more than this, where patches are split since.
 const SETTLED: f64 = 1e-2;
 /// But no more often than that.
-const MOST_GATHERINGS: usize = 4;
+const MOST_GATHERINGS: usize = 6;
+/// Gatherings in the middles of leaves alone.
+const MOST_IN_MIDDLES: usize = 2;
 /// Bounces that may follow one gathering.
 const MOST_BOUNCES: usize = 100;
 /// Links are of use as long as each correction leaves less than this share of the change that the one before made.
@@ -85,29 +88,34 @@ pub fn bounce(
     let mut solution = solved(mesh, surfaces)?;
     let places = Places::new(prepared);
     let mut bounced_light = BouncedLight::default();
-    for _ in 0..MOST_GATHERINGS {
+    let mut in_middles_alone = true;
+    for gathering in 0..MOST_GATHERINGS {
         let (sources, looked_at) = (mesh.clone(), solution.clone());
         let mean = looked_at.mean_irradiance(&sources);
         let light =
             Irradiance::new(prepared, visibility, &sources, &looked_at.reflected, mean).coarser(bouncing.coarser);
         let light = light.with_memory(known.map_or(Memory::None, Memory::Known));
-        let evenness = Evenness { reflectance: &surfaces.reflectance, tolerance: bouncing.tolerance };
+        let evenness = Evenness { reflectance: &surfaces.reflectance, tolerance: bouncing.tolerance, in_middles_alone };
         bounced_light = BouncedLight::gather(bounced_light, mesh, &places, &light, evenness, progress)?;
         let has_split = mesh.patch_count() > sources.patch_count();
         if has_split {
             surfaces.extend(scene, prepared, mesh, direct);
             solution = solved(mesh, surfaces)?;
         }
-        let gathered = |reflected: &Table<PatchId, Linear<Rgb>>| bounced_light.over_leaves(&light, reflected);
+        let gathered = |solution: &Solution, surfaces: &Surfaces| {
+            let slope = |leaf: PatchId| (solution.irradiance[leaf] - surfaces.direct[leaf]).gradient;
+            bounced_light.over_leaves(&light, &solution.reflected, slope)
+        };
         solution = settled(links, &solved, &gathered, mesh, surfaces, solution, progress)?;
         let change = solution.relative_change(&sources, &looked_at);
         tracing::debug!(change, leaves = mesh.leaves().count(), "gathered");
-        if change < if has_split { SETTLED } else { LIKE } || known.is_some() {
+        if !in_middles_alone && (change < if has_split { SETTLED } else { LIKE } || known.is_some()) {
             break;
         }
         if change >= LIKE {
             bounced_light = BouncedLight::default();
         }
+        in_middles_alone &= change >= LIKE && gathering + 1 < MOST_IN_MIDDLES;
     }
     Ok((solution, bounced_light.into_points()))
 }
@@ -116,7 +124,7 @@ pub fn bounce(
 fn settled(
     links: &Links,
     solved: &impl Fn(&Mesh, &Surfaces) -> Result<Solution, Cancelled>,
-    gathered: &impl Fn(&Table<PatchId, Linear<Rgb>>) -> Vec<(PatchId, Linear<Rgb>)>,
+    gathered: &impl Fn(&Solution, &Surfaces) -> Vec<(PatchId, Linear<Rgb>)>,
     mesh: &Mesh,
     surfaces: &mut Surfaces,
     mut solution: Solution,
@@ -125,15 +133,15 @@ fn settled(
     let (mut over_links, mut before) = (true, f64::INFINITY);
     for number in 0..MOST_BOUNCES {
         progress.report(Stage::Solve, number, 0)?;
-        let exactly =
-            gathered(&solution.reflected).into_iter().map(|(leaf, gathered)| (leaf, surfaces.direct[leaf] + gathered));
+        let of_leaves = gathered(&solution, surfaces).into_iter();
+        let exactly: Vec<_> = of_leaves.map(|(leaf, gathered)| (leaf, surfaces.direct[leaf] + gathered)).collect();
         let bounced = if over_links {
             for (leaf, exactly) in exactly {
                 surfaces.missed[leaf] = surfaces.missed[leaf] + exactly - solution.irradiance[leaf];
             }
             solved(mesh, surfaces)?
         } else {
-            solve::reflect(mesh, surfaces, &exactly.collect::<Vec<_>>(), &solution)
+            solve::reflect(mesh, surfaces, &exactly, &solution)
         };
         let change = bounced.relative_change(mesh, &solution);
         solution = bounced;
@@ -156,6 +164,7 @@ fn settled(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::id::Table;
     use crate::mesh::MeshSettings;
     use crate::scene::Material;
     use crate::transport::{DirectLight, FormFactorOracle, link_all};

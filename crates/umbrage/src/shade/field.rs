@@ -6,7 +6,7 @@
 //!
 //! Values are kept, so that a point that serves the estimate of the error and later the mesh is evaluated once.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -33,7 +33,7 @@ pub(super) trait Field: Sync {
 }
 
 /// The side that a value belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 enum Side {
     /// All coplanar faces that look this way.
     Plane(PlaneId, Facing),
@@ -42,7 +42,7 @@ enum Side {
 }
 
 /// A point of the mesh: the middle between two vertices, or a vertex that is not the middle of the edge that it split.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct MeshPoint {
     vertices: [VertexId; 2],
     side: Side,
@@ -149,7 +149,7 @@ fn sorted(mut vertices: [VertexId; 2]) -> [VertexId; 2] {
 
 /// Requests in the order of their keys, one for each.
 pub(super) fn distinct(mut requests: Vec<Request>) -> Vec<Request> {
-    requests.sort_by_key(|request| (request.key, request.patch));
+    requests.par_sort_by_key(|request| (request.key, request.patch));
     requests.dedup_by_key(|request| request.key);
     requests
 }
@@ -157,7 +157,7 @@ pub(super) fn distinct(mut requests: Vec<Request>) -> Vec<Request> {
 /// Values of a field at points of the mesh, numbered in the order in which they were asked for.
 #[derive(Debug, Default)]
 pub(super) struct Values {
-    numbers: BTreeMap<MeshPoint, u32>,
+    numbers: HashMap<MeshPoint, u32>,
     values: Vec<Rgb>,
 }
 
@@ -187,12 +187,12 @@ impl Values {
         &mut self,
         mesh: &Mesh,
         field: &impl Field,
-        mut requests: Vec<Request>,
+        requests: Vec<Request>,
         stage: Stage,
         progress: Progress<'_>,
     ) -> Result<(), Cancelled> {
-        requests.retain(|request| !self.numbers.contains_key(&request.key));
-        let requests = distinct(requests);
+        let is_new = |request: &Request| !self.numbers.contains_key(&request.key);
+        let requests = distinct(requests.into_par_iter().filter(is_new).collect());
         let known = self.values.len();
         let values = requests
             .par_iter()

@@ -156,6 +156,21 @@ impl<'a> Irradiance<'a> {
         Terms { of_patches: of_patches.into_boxed_slice(), of_crowds: terms.of_crowds.clone() }
     }
 
+    /// About how much irradiance varies over a distance around a point where these are its terms, in W/m2: what comes from as near
+    /// as that may change wholly.
+    pub(super) fn variation(&self, point: &ReceiverPoint, terms: &Terms, distance_m: f64) -> f64 {
+        let of = |term: &Term| {
+            let ReflectingPatch { source, middle_m, radius_m, .. } = &self.sources[term.patch];
+            let seen_m = source.frame.to_3d(*middle_m + term.offset_m());
+            // No point of the patch is nearer.
+            let to_plane_m = source.frame.plane.signed_distance_m(point.position_m);
+            let apart_m = to_plane_m.max(seen_m.distance(point.position_m) - 2.0 * radius_m);
+            let light = self.reflected.of(term).max_element().max(0.0);
+            if apart_m <= distance_m { light } else { light * distance_m / apart_m }
+        };
+        terms.of_patches.iter().map(of).sum()
+    }
+
     /// The share of its view in which a point sees patches that are nearer than so many of their radii, or of `radius_m`.
     pub(super) fn share_of_near(&self, point: &ReceiverPoint, terms: &Terms, radii: f64, radius_m: f64) -> f64 {
         let is_near = |term: &&Term| {

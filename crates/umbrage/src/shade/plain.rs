@@ -1,15 +1,18 @@
 //! Plain faces: those over which what the bounces found of indirect light is enough to show it.
 //!
-//! For the bounces light was gathered at the corners and in the middle of every leaf. A face that is one leaf, and over which
-//! indirect light is so even, or which is so small, that interpolation between these points errs little of the whole, needs no more:
-//! in a scene of many small faces that is most of them. The light over it is linear over the fan of triangles around its middle.
+//! For the bounces light was gathered in the middle of every leaf, and at the corners of those where it mattered. A face that is one
+//! leaf, and over which indirect light is so even, or which is so small, that interpolation between these points errs little of the
+//! whole, needs no more: in a scene of many small faces that is most of them. The light over it is linear over the fan of triangles
+//! around its middle; a corner where nothing was gathered has the mean of such faces around it that lie in one plane.
 //!
 //! After: what plain faces err is within a share of the tolerance, and on none of them is it much of its own light; points of their
 //! corners that other faces share are known to these.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
-use super::field::{Field, Places, Values, distinct};
+use super::field::{Field, MeshPoint, Places, Request, Values};
 use super::irradiance::{Irradiance, Terms};
 use super::refine::{LEAST_OF_ALL, OWN_TOLERANCES};
 use crate::id::{FaceId, PatchId, Table, VertexId};
@@ -25,7 +28,7 @@ const OF_MIDDLE: f64 = 0.5;
 /// What five points do not tell of a field between them, as a share of how much they differ.
 const OF_SPREAD: f64 = 0.1;
 
-/// What bounces gathered, as a field; elsewhere it is gathered.
+/// What bounces gathered, as a field; elsewhere light is gathered.
 struct Bounced<'a> {
     light: &'a Irradiance<'a>,
     bounced: &'a AtPoints<Terms>,
@@ -74,30 +77,51 @@ pub(super) fn plain_faces(
     [tolerance, of_all]: [f64; 2],
     progress: Progress<'_>,
 ) -> Result<(Table<FaceId, Option<PlainFace>>, Values), Cancelled> {
-    let field = Bounced { light, bounced };
     let mut values = Values::default();
     let leaves: Vec<PatchId> = mesh.leaves().collect();
     let mut faces: Table<FaceId, Option<PlainFace>> = vec![None; leaves.len()].into();
     if !tolerance.is_finite() {
         return Ok((faces, values));
     }
-    let whole = |leaf: &&PatchId| light.mesh.patch(**leaf).subpatches.is_none();
+    let whole: Vec<PatchId> =
+        leaves.iter().copied().filter(|&leaf| light.mesh.patch(leaf).subpatches.is_none()).collect();
     let corners = |&leaf: &PatchId| mesh.corners(leaf).map(move |vertex| places.vertex(mesh, leaf, vertex));
-    let requests = leaves.iter().filter(whole).flat_map(corners).collect();
-    values.evaluate(mesh, &field, distinct(requests), Stage::Shade, progress)?;
-    let face = |leaf: &PatchId| {
-        let corner = |vertex| Some((vertex, values.get(&places.vertex(mesh, *leaf, vertex).key)?));
-        let in_middle = places.inside(mesh, *leaf, mesh.patch(*leaf).centroid_m);
-        let corners: Option<Vec<(VertexId, Rgb)>> = mesh.corners(*leaf).map(corner).collect();
-        Some(PlainFace { corners: corners?, in_middle: field.at(mesh, &in_middle, *leaf) })
+    let known = |request: &Request| bounced.get(&request.point).is_some();
+    let requests = whole.iter().flat_map(corners).filter(known).collect();
+    values.evaluate(mesh, &Bounced { light, bounced }, requests, Stage::Shade, progress)?;
+    let in_middle = |&leaf: &PatchId| {
+        let terms = bounced.get(&places.inside(mesh, leaf, mesh.patch(leaf).centroid_m))?;
+        Some((leaf, light.sum_of(terms)))
     };
-    let looked_at: Vec<(PatchId, Option<PlainFace>)> =
-        leaves.par_iter().map(|leaf| (*leaf, Some(leaf).filter(whole).and_then(face))).collect();
+    let middles: Vec<(PatchId, Rgb)> = whole.par_iter().filter_map(in_middle).collect();
+    let mut around: BTreeMap<MeshPoint, (Rgb, f64)> = BTreeMap::new();
+    for &(leaf, value) in &middles {
+        for request in corners(&leaf).filter(|request| values.get(&request.key).is_none()) {
+            let (sum, count) = around.entry(request.key).or_default();
+            (*sum, *count) = (*sum + value, *count + 1.0);
+        }
+    }
+    let face = |&(leaf, in_middle): &(PatchId, Rgb)| {
+        let (mut corners, mut is_constant) = (Vec::new(), true);
+        for vertex in mesh.corners(leaf) {
+            let key = places.vertex(mesh, leaf, vertex).key;
+            let known = values.get(&key);
+            is_constant &= known.is_none();
+            let mean = || around.get(&key).map(|(sum, count)| *sum / *count);
+            corners.push((vertex, known.or_else(mean).unwrap_or(in_middle)));
+        }
+        (leaf, is_constant, PlainFace { corners, in_middle })
+    };
+    let looked_at: Vec<(PatchId, bool, PlainFace)> = middles.par_iter().map(face).collect();
     let area_m2 = |leaf: PatchId| mesh.patch(leaf).area_m2;
     let all_m2: f64 = leaves.iter().map(|&leaf| area_m2(leaf)).sum();
     let mut errors: Vec<(f64, PatchId, PlainFace)> = Vec::new();
-    for (leaf, face) in looked_at {
-        let Some(face) = face else { continue };
+    for (leaf, is_constant, face) in looked_at {
+        // What was left at one value is little: the bounces saw to that.
+        if is_constant {
+            faces[mesh.patch(leaf).face] = Some(face);
+            continue;
+        }
         let squared = face.error_squared();
         let own = face.mean().element_sum() / 3.0;
         let most = OWN_TOLERANCES * of_all / light.mean * own + of_all;

@@ -114,7 +114,7 @@ pub(super) fn refine(
         let integral = |leaf: PatchId| {
             elements_of(leaf).map(|element| element.area_m2 * squared(element).element_sum() / 3.0).sum::<f64>()
         };
-        let errors: Vec<(PatchId, f64)> = leaves.iter().map(|&leaf| (leaf, integral(leaf))).collect();
+        let errors: Vec<(PatchId, f64)> = leaves.par_iter().map(|&leaf| (leaf, integral(leaf))).collect();
         let total: f64 = errors.iter().map(|(_, squared)| squared).sum();
         let area_m2: f64 = leaves.iter().flat_map(|&leaf| elements_of(leaf)).map(|element| element.area_m2).sum();
         if total <= 0.0 || settings.mean <= 0.0 {
@@ -138,7 +138,9 @@ pub(super) fn refine(
         let mut marked: Vec<PatchId> = if total > target {
             worst(errors, total, target, room)
         } else {
-            leaves.iter().copied().filter(|&leaf| errs_locally(leaf)).take(room).collect()
+            let mut marked: Vec<PatchId> = leaves.par_iter().copied().filter(|&leaf| errs_locally(leaf)).collect();
+            marked.truncate(room);
+            marked
         };
         marked.sort_unstable();
         // What is split must be looked at: the last round does not.
