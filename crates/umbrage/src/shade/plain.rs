@@ -140,3 +140,80 @@ pub(super) fn plain_faces(
     }
     Ok((faces, values))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::MeshSettings;
+    use crate::scene::Material;
+    use crate::shade::interpolated::Interpolated;
+    use crate::shade::refine::Refined;
+    use crate::shade::{Bouncing, Room, bounce};
+    use crate::solve::{SolveSettings, Surfaces};
+    use crate::transport::{DirectLight, FormFactorOracle, link_all};
+    use crate::visibility::{Visibility, fixture};
+    use glam::DVec3;
+
+    /// How many faces of a room with many cubes in it are plain, how many there are, and what these err, over what they may; where
+    /// light bounced with one tolerance and is shown with another.
+    fn plain_in_a_room_of_cubes([bounced_to, tolerance]: [f64; 2]) -> (usize, usize, f64) {
+        let mut polygons: Vec<_> =
+            fixture::inward_box(DVec3::ZERO, DVec3::new(3.0, 3.0, 2.0)).into_iter().map(|wall| (wall, 0)).collect();
+        for i in 0..25 {
+            let low = DVec3::new(0.3 + 0.5 * f64::from(i % 5), 0.3 + 0.5 * f64::from(i / 5), 0.2 + 0.05 * f64::from(i));
+            polygons.extend(fixture::outward_box(low, low + 0.1).into_iter().map(|side| (side, 1)));
+        }
+        polygons.push((fixture::square(DVec3::new(1.5, 1.5, 1.9), 0.3, false), 2));
+        let prepared = fixture::prepared_of_materials(&polygons);
+        let grey = |reflectance: f64| Material::diffuse("grey", Rgb::splat(reflectance));
+        let scene = fixture::scene(vec![grey(0.7), grey(0.4), Material::emitting("lamp", Rgb::ONE)]);
+        let index = Visibility::new(&prepared);
+        let gathering = Mesh::new(&prepared, &Table::new(), MeshSettings::default());
+        let mut mesh = gathering.clone();
+        let coplanar_m = prepared.tolerance.coplanar_m();
+        let oracle = FormFactorOracle { max_form_factor: 0.1, min_area_m2: 0.05, coplanar_m };
+        let links = link_all(&prepared, &index, &mut mesh, &oracle, Progress::silent()).unwrap();
+        let direct = DirectLight::new(&scene, &prepared, &index);
+        let mut surfaces = Surfaces::new(&scene, &prepared, &mesh, &direct);
+        let room = Room { scene: &scene, prepared: &prepared, visibility: &index, direct: &direct, links: &links };
+        let solve = SolveSettings { max_residual: 1e-6, max_iterations: 99 };
+        let bouncing = Bouncing { solve, tolerance: bounced_to, coarser: 1.0 };
+        let (solution, bounced) = bounce(room, bouncing, &mut mesh, &mut surfaces, None, Progress::silent()).unwrap();
+        let mean = solution.mean_irradiance(&mesh);
+        let light = Irradiance::new(&prepared, &index, &mesh, &solution.reflected, mean);
+        let places = Places::new(&prepared);
+        let tolerances = [0.3, 1.0].map(|share| share * tolerance * light.mean);
+        let (plain, _) = plain_faces(&gathering, &places, &light, &bounced, tolerances, Progress::silent()).unwrap();
+        let refined = Refined { values: Values::default(), elements: Vec::new(), shifts: Vec::new(), error: 0.0 };
+        let field = Interpolated::new(&gathering, &refined, &plain);
+        let (mut squared, mut all_m2, mut count) = (0.0, 0.0, 0);
+        for (face, plain) in plain.iter_enumerated() {
+            let root = gathering.root(face);
+            all_m2 += gathering.patch(root).area_m2;
+            if plain.is_none() {
+                continue;
+            }
+            count += 1;
+            let corners = gathering.polygon_m(root);
+            for i in 0..16_u32 {
+                let [s, t] = [0.618034, 0.754878].map(|step| (f64::from(i) * step).fract());
+                let at_m = corners[0] + s * (corners[1] - corners[0]) + t * (corners[3] - corners[0]);
+                let point = ReceiverPoint::on_face(&prepared, face, at_m);
+                let error = field.at(&point, face) - light.indirect(&point);
+                squared += gathering.patch(root).area_m2 / 16.0 * (error * error).element_sum() / 3.0;
+            }
+        }
+        (count, plain.len(), (squared / all_m2).sqrt() / tolerances[0])
+    }
+
+    #[test]
+    fn small_faces_are_plain_and_err_little() {
+        for tolerance in [0.1, 0.02] {
+            let (count, all, error) = plain_in_a_room_of_cubes([tolerance; 2]);
+            assert!(count > all / 2, "{count} of {all} at {tolerance}");
+            assert!(error < 1.0, "{error} at {tolerance}");
+        }
+        let (count, all, _) = plain_in_a_room_of_cubes([0.02, 1e-7]);
+        assert!(2 * count < all, "{count} of {all}");
+    }
+}
