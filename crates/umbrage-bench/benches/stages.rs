@@ -13,10 +13,10 @@ use umbrage::mesh::{Mesh, MeshSettings};
 use umbrage::prepare::{self, Prepared};
 use umbrage::progress::Progress;
 use umbrage::scene::{Scene, cornell::cornell_box};
-use umbrage::shade::{self, Irradiance, ShadeMeshes, ShadeSettings};
+use umbrage::shade::{self, IndirectLight, Irradiance, ShadeMeshes, ShadeSettings};
 use umbrage::solve::{self, Solution, SolveSettings, Surfaces};
 use umbrage::transport::{self, DirectLight, FormFactorOracle, Links};
-use umbrage::visibility::Visibility;
+use umbrage::visibility::{AtPoints, Visibility};
 use umbrage_bench::box_field;
 
 /// Fmax, and the least area of a patch in square metres: coarser than a bake at the default tolerance, so that a round
@@ -111,6 +111,9 @@ fn shade(bencher: Bencher<'_, '_>, name: &str) {
     let direct = DirectLight::new(scene, prepared, visibility);
     let solution = stages.solve(&direct);
     let light = Irradiance::new(prepared, visibility, mesh, &solution.reflected, solution.mean_irradiance(mesh));
+    // No bounces went before: all is gathered.
+    let bounced = AtPoints::new(Vec::new());
+    let indirect = IndirectLight { irradiance: &light, bounced: &bounced };
     let settings = ShadeSettings { tolerance: TOLERANCE, ..ShadeSettings::default() };
     bencher
         .with_inputs(|| ShadeMeshes {
@@ -118,6 +121,6 @@ fn shade(bencher: Bencher<'_, '_>, name: &str) {
             gathering: Mesh::new(prepared, &Table::new(), MeshSettings::default()),
         })
         .bench_local_refs(|meshes| {
-            shade::shade(scene, prepared, meshes, &direct, &light, settings, Progress::silent()).unwrap()
+            shade::shade(scene, prepared, meshes, &direct, indirect, settings, Progress::silent()).unwrap()
         });
 }

@@ -113,6 +113,7 @@ pub(crate) struct BakeArgs {
 pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     interrupt::listen()?;
     check_folder(&args.output)?;
+    check_is_glb(&args.output)?;
     check_is_not_the_scene(&args.scene, &args.output)?;
     if let Some(reuse) = &args.reuse {
         check_folder(reuse)?;
@@ -193,6 +194,18 @@ fn check_folder(output: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Fails where a file is called what it is not: no program opens a GLB under the name of a picture.
+fn check_is_glb(output: &Path) -> anyhow::Result<()> {
+    let is_glb = output.extension().is_none_or(|extension| extension.eq_ignore_ascii_case("glb"));
+    anyhow::ensure!(
+        is_glb,
+        "{}: a baked file is a GLB: call it {} (`umbrage render` makes a picture of that)",
+        output.display(),
+        output.with_extension("glb").display()
+    );
+    Ok(())
+}
+
 /// Fails where a bake would replace its own scene, which has what no baked file has: emission, and surfaces in their own mesh.
 fn check_is_not_the_scene(scene: &Path, output: &Path) -> anyhow::Result<()> {
     let is_scene = match (scene.canonicalize(), output.canonicalize()) {
@@ -226,6 +239,14 @@ pub(crate) fn write(scene: &Scene, step: &Step, exposure: Option<f64>, path: &Pa
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_that_is_called_a_picture_is_refused() {
+        assert!(check_is_glb(Path::new("a/out.glb")).is_ok() && check_is_glb(Path::new("OUT.GLB")).is_ok());
+        assert!(check_is_glb(Path::new("out")).is_ok());
+        let message = check_is_glb(Path::new("a/out.png")).unwrap_err().to_string();
+        assert!(message.starts_with("a/out.png:") && message.contains("call it a/out.glb"), "{message}");
+    }
 
     #[test]
     fn a_folder_that_is_not_there_is_told_before_the_bake() {

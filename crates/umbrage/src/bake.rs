@@ -28,7 +28,7 @@ use crate::mesh::{Mesh, MeshSettings, SplitScore};
 use crate::prepare::{self, PrepareError, PrepareReport, PrepareSettings, Prepared};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Rgb, Scene, SceneError};
-use crate::shade::{self, BakedMesh, Bouncing, Irradiance, Room, ShadeMeshes, ShadeSettings, Terms};
+use crate::shade::{self, BakedMesh, Bouncing, IndirectLight, Irradiance, Room, ShadeMeshes, ShadeSettings, Terms};
 use crate::solve::{self, EnergyAccount, Solution, SolveSettings, Surfaces};
 use crate::transport::{
     self, BrightnessOracle, DirectLight, FormFactorOracle, KnownSources, Linear, Links, OracleKind, SourceMemory,
@@ -392,6 +392,7 @@ pub(crate) fn show(
     let light = Irradiance::new(prepared, visibility, mesh, &solution.reflected, solution.mean_irradiance(mesh))
         .coarser(settings.coarser_light())
         .with_memory(before.gathered());
+    let indirect = IndirectLight { irradiance: &light, bounced: &bounced };
     let mut meshes = if refined {
         let with = |segments| Mesh::new(prepared, segments, settings.mesh());
         let all = discontinuities.segments.iter().chain(&secondary).copied().collect();
@@ -399,7 +400,7 @@ pub(crate) fn show(
     } else {
         ShadeMeshes { shown: mesh.clone(), gathering: mesh.clone() }
     };
-    let shaded = shade::shade(scene, prepared, &mut meshes, &direct, &light, &bounced, settings.shade, progress)?;
+    let shaded = shade::shade(scene, prepared, &mut meshes, &direct, indirect, settings.shade, progress)?;
     check(|| meshes.shown.validate().map_err(|error| error.to_string()));
     check(|| shaded.mesh.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Shade);

@@ -17,7 +17,7 @@
 use super::bounced::{BouncedLight, Evenness};
 use super::field::Places;
 use super::irradiance::{Irradiance, Terms};
-use crate::id::PatchId;
+use crate::id::{PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress, Stage};
@@ -35,6 +35,9 @@ const LIKE: f64 = 0.2;
 const SETTLED: f64 = 1e-2;
 /// But no more often than that.
 const MOST_GATHERINGS: usize = 6;
+/// At first, what links left darker than this share of the mean is looked at as if it had that: it may be lit by faces that no link
+/// leads to.
+const LEAST_LIT: f64 = 0.1;
 /// Gatherings in the middles of leaves alone.
 const MOST_IN_MIDDLES: usize = 2;
 /// Bounces that may follow one gathering.
@@ -92,8 +95,9 @@ pub fn bounce(
     for gathering in 0..MOST_GATHERINGS {
         let (sources, looked_at) = (mesh.clone(), solution.clone());
         let mean = looked_at.mean_irradiance(&sources);
-        let light =
-            Irradiance::new(prepared, visibility, &sources, &looked_at.reflected, mean).coarser(bouncing.coarser);
+        let least = if gathering == 0 { LEAST_LIT * mean } else { Rgb::ZERO };
+        let reflected = lit_at_least(&looked_at, surfaces, least);
+        let light = Irradiance::new(prepared, visibility, &sources, &reflected, mean).coarser(bouncing.coarser);
         let light = light.with_memory(known.map_or(Memory::None, Memory::Known));
         let evenness = Evenness { reflectance: &surfaces.reflectance, tolerance: bouncing.tolerance, in_middles_alone };
         bounced_light = BouncedLight::gather(bounced_light, mesh, &places, &light, evenness, progress)?;
@@ -118,6 +122,12 @@ pub fn bounce(
         in_middles_alone &= change >= LIKE && gathering + 1 < MOST_IN_MIDDLES;
     }
     Ok((solution, bounced_light.into_points()))
+}
+
+/// What patches reflect where their irradiance is at least `least`, in W/m2.
+fn lit_at_least(solution: &Solution, surfaces: &Surfaces, least: Rgb) -> Table<PatchId, Linear<Rgb>> {
+    let patches = solution.reflected.iter().zip(&surfaces.reflectance);
+    patches.map(|(of, &reflectance)| Linear { mean: of.mean.max(reflectance * least), ..*of }).collect()
 }
 
 /// Bounces until light changes no more.
@@ -164,7 +174,6 @@ fn settled(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::id::Table;
     use crate::mesh::MeshSettings;
     use crate::scene::Material;
     use crate::transport::{DirectLight, FormFactorOracle, link_all};

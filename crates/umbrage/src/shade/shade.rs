@@ -73,6 +73,15 @@ pub struct ShadeMeshes {
     pub gathering: Mesh,
 }
 
+/// Where indirect light is known from.
+#[derive(Clone, Copy, Debug)]
+pub struct IndirectLight<'a> {
+    /// What gathers it.
+    pub irradiance: &'a Irradiance<'a>,
+    /// What points of the patches that it bounced on see of each other.
+    pub bounced: &'a AtPoints<Terms>,
+}
+
 /// Refines the meshes, cuts the one that is shown into triangles and evaluates the light of their corners.
 ///
 /// # Errors
@@ -82,8 +91,7 @@ pub fn shade(
     prepared: &Prepared,
     ShadeMeshes { shown: mesh, gathering }: &mut ShadeMeshes,
     direct: &DirectLight<'_>,
-    irradiance: &Irradiance<'_>,
-    bounced: &AtPoints<Terms>,
+    IndirectLight { irradiance, bounced }: IndirectLight<'_>,
     settings: ShadeSettings,
     progress: Progress<'_>,
 ) -> Result<Shaded, Cancelled> {
