@@ -113,8 +113,8 @@ pub(crate) struct BakeArgs {
 pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     interrupt::listen()?;
     check_folder(&args.output)?;
-    check_is_glb(&args.output)?;
     check_is_not_the_scene(&args.scene, &args.output)?;
+    check_is_glb(&args.output)?;
     if let Some(reuse) = &args.reuse {
         check_folder(reuse)?;
         anyhow::ensure!(
