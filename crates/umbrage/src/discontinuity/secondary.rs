@@ -3,8 +3,9 @@
 //! After a first solution, a face that reflects much more than others is a source like any other: its outline casts EV
 //! and VE events past occluders, and where they fall indirect light bends. So does the outline of a part that is much
 //! brighter than the rest of its surface (`bright_part`). Events of three edges are left out: they are the faintest. The
-//! radiance of these sources is not quite even, so degree and strength are those of its mean; what is cut along them is the mesh that indirect light is gathered on and the one that is shown,
-//! both of which find out by themselves what a cut is worth.
+//! radiance of these sources is not quite even, so degree and strength are those of its mean; what is cut along them is
+//! the mesh that indirect light is gathered on and the one that is shown, both of which find out by themselves what a
+//! cut is worth.
 //!
 //! In a room that is lit evenly nothing is much brighter than the mean, and there are none.
 

@@ -1,8 +1,9 @@
 //! From the solved hierarchy to what is shown.
 //!
-//! Indirect light is smooth: it is gathered from the hierarchy at few points, between which it is quadratic within a share
-//! of the tolerance, on a mesh of its own; on plain faces the points of the bounces are enough. Then what is shown is refined for the sum of exact direct light and that. At last
-//! every leaf is cut into triangles, and the light of each vertex is written down.
+//! Indirect light is smooth: it is gathered from the hierarchy at few points, between which it is quadratic within a
+//! share of the tolerance, on a mesh of its own; on plain faces the points of the bounces are enough. Then what is
+//! shown is refined for the sum of exact direct light and that. At last every leaf is cut into triangles, and the light
+//! of each vertex is written down.
 //!
 //! The mesh that is shown is not the one that carried transport: that one must be well shaped, this one must follow the
 //! light, and where light is even it stays coarse.
