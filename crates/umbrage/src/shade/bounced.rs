@@ -16,7 +16,7 @@ use smallvec::SmallVec;
 
 use super::field::{MeshPoint, Places};
 use super::irradiance::{Irradiance, Terms};
-use super::refine::{OWN_TOLERANCES, worst};
+use super::refine::{OWN_TOLERANCES, least_within, worst};
 use crate::id::{PatchId, Table};
 use crate::mesh::Mesh;
 use crate::progress::{Cancelled, Progress, Stage};
@@ -204,18 +204,17 @@ impl BouncedLight {
     fn not_plain(&self, mesh: &Mesh, light: &Irradiance<'_>, tolerance: f64) -> Vec<PatchId> {
         let of_all_m2: f64 = self.leaves.keys().map(|&leaf| mesh.patch(leaf).area_m2).sum();
         let budget = (PLAIN_OF_TOLERANCE * tolerance * light.mean).powi(2) * of_all_m2;
-        let mut left = if budget.is_finite() { budget } else { 0.0 };
-        let open = self.leaves.iter().filter(|(_, leaf)| leaf.corners.is_empty());
-        let (mut uneven, mut others): (Vec<_>, Vec<_>) =
-            open.map(|(&leaf, of)| (of.plain, leaf)).partition(|of| of.0.1);
-        others.sort_by(|p, q| p.0.0.total_cmp(&q.0.0).then(p.1.cmp(&q.1)));
-        let plain = others.iter().take_while(|((error, _), _)| {
-            left -= error;
-            left > 0.0
-        });
-        let plain = plain.count();
-        uneven.extend(others.drain(plain..));
-        uneven.into_iter().map(|(_, leaf)| leaf).collect()
+        // Where there is no tolerance, all are looked at.
+        let budget = if budget.is_finite() { budget } else { f64::NEG_INFINITY };
+        let (mut uneven, mut others) = (Vec::new(), Vec::new());
+        for (&leaf, BouncedLeaf { plain: (error, is_much), .. }) in
+            self.leaves.iter().filter(|(_, leaf)| leaf.corners.is_empty())
+        {
+            if *is_much { uneven.push(leaf) } else { others.push((leaf, *error)) }
+        }
+        let plain = least_within(&mut others, budget);
+        uneven.extend(others[plain..].iter().map(|(leaf, _)| *leaf));
+        uneven
     }
 
     fn terms(&self, spot: &Spot) -> Option<&Terms> {

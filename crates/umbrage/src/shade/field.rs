@@ -148,7 +148,7 @@ fn sorted(mut vertices: [VertexId; 2]) -> [VertexId; 2] {
 }
 
 /// Requests in the order of their keys, one for each.
-pub(super) fn distinct(mut requests: Vec<Request>) -> Vec<Request> {
+fn distinct(mut requests: Vec<Request>) -> Vec<Request> {
     requests.par_sort_by_key(|request| (request.key, request.patch));
     requests.dedup_by_key(|request| request.key);
     requests

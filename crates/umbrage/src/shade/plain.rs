@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::field::{Field, MeshPoint, Places, Request, Values};
 use super::irradiance::{Irradiance, Terms};
-use super::refine::{LEAST_OF_ALL, OWN_TOLERANCES};
+use super::refine::{LEAST_OF_ALL, OWN_TOLERANCES, least_within};
 use crate::id::{FaceId, PatchId, Table, VertexId};
 use crate::mesh::Mesh;
 use crate::progress::{Cancelled, Progress, Stage};
@@ -115,28 +115,23 @@ pub(super) fn plain_faces(
     let looked_at: Vec<(PatchId, bool, PlainFace)> = middles.par_iter().map(face).collect();
     let area_m2 = |leaf: PatchId| mesh.patch(leaf).area_m2;
     let all_m2: f64 = leaves.iter().map(|&leaf| area_m2(leaf)).sum();
-    let mut errors: Vec<(f64, PatchId, PlainFace)> = Vec::new();
+    let mut errors: Vec<(PatchId, f64)> = Vec::new();
     for (leaf, is_constant, face) in looked_at {
-        // What was left at one value is little: the bounces saw to that.
-        if is_constant {
-            faces[mesh.patch(leaf).face] = Some(face);
-            continue;
-        }
         let squared = face.error_squared();
         let own = face.mean().element_sum() / 3.0;
         let most = OWN_TOLERANCES * of_all / light.mean * own + of_all;
-        if squared <= most * most || area_m2(leaf) < LEAST_OF_ALL * all_m2 {
-            errors.push((area_m2(leaf) * squared, leaf, face));
-        }
-    }
-    errors.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
-    let mut left = SHARE * tolerance * tolerance * all_m2;
-    for (error, leaf, face) in errors {
-        left -= error;
-        if left < 0.0 {
-            break;
+        // What was left at one value is little: the bounces saw to that.
+        if !is_constant {
+            if squared > most * most && area_m2(leaf) >= LEAST_OF_ALL * all_m2 {
+                continue;
+            }
+            errors.push((leaf, area_m2(leaf) * squared));
         }
         faces[mesh.patch(leaf).face] = Some(face);
+    }
+    let count = least_within(&mut errors, SHARE * tolerance * tolerance * all_m2);
+    for (leaf, _) in &errors[count..] {
+        faces[mesh.patch(*leaf).face] = None;
     }
     Ok((faces, values))
 }

@@ -169,6 +169,17 @@ pub(super) fn worst(mut errors: Vec<(PatchId, f64)>, total: f64, target: f64, ro
     marked
 }
 
+/// Sorts errors, the least first, and tells how many of them add up to no more than `budget`.
+pub(super) fn least_within(errors: &mut [(PatchId, f64)], budget: f64) -> usize {
+    errors.sort_by(|(p, first), (q, second)| first.total_cmp(second).then(p.cmp(q)));
+    let mut left = budget;
+    let within = errors.iter().take_while(|(_, error)| {
+        left -= error;
+        left >= 0.0
+    });
+    within.count()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
