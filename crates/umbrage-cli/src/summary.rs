@@ -44,7 +44,13 @@ pub(crate) fn summary(
         _ => String::new(),
     };
     let a_leaf = report.links_a_leaf();
-    line("links", format!("{}: {a_leaf:.1} for each patch that is not split{each}", grouped(report.links)));
+    line(
+        "links",
+        match report.rays {
+            Some(rays) => format!("none: indirect light is gathered along {} rays at each point", grouped(rays)),
+            None => format!("{}: {a_leaf:.1} for each patch that is not split{each}", grouped(report.links)),
+        },
+    );
     line("vertices", grouped(report.vertices));
     line("triangles", grouped(report.triangles));
     if let Some(coarser) = coarser {

@@ -42,6 +42,15 @@ const FMAX: f64 = 0.04;
 /// as small.
 const MIN_AREA_OF_TOTAL: f64 = 7e-4;
 
+/// About what one ray of many errs of the mean irradiance, root mean square.
+const ONE_RAY_ERRS: f64 = 0.25;
+/// The share of the tolerance that rays may err.
+const RAYS_OF_TOLERANCE: f64 = 0.25;
+/// No fewer rays, so that bright spots are not missed.
+const LEAST_RAYS: usize = 128;
+/// To follow a ray takes about as long as to look at so many faces.
+const FACES_A_RAY: usize = 4;
+
 /// How a scene is baked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BakeSettings {
@@ -115,6 +124,14 @@ impl BakeSettings {
         self.coarseness().max(1.0)
     }
 
+    /// Along how many rays light is gathered in a large scene, so that what they err is a share of the tolerance; `None` where looking
+    /// at each face is better.
+    fn rays(&self, prepared: &Prepared) -> Option<usize> {
+        let enough = (ONE_RAY_ERRS / (RAYS_OF_TOLERANCE * self.shade.tolerance)).powi(2).ceil() as usize;
+        let rays = enough.max(LEAST_RAYS);
+        (self.shade.tolerance.is_finite() && prepared.faces.len() / FACES_A_RAY >= rays).then_some(rays)
+    }
+
     pub(crate) fn mesh(&self) -> MeshSettings {
         MeshSettings { score: self.score, mend_bad_shapes: self.mend_bad_shapes }
     }
@@ -147,8 +164,10 @@ pub struct Report {
     pub compactness: [f64; 2],
     /// Of these, the ones that are not split.
     pub leaves: usize,
-    /// Links between patches.
+    /// Links between patches; none where indirect light is gathered along rays.
     pub links: usize,
+    /// Along how many rays it is gathered at each point, if not from each face.
+    pub rays: Option<usize>,
     /// Wall time of deciding on links, with the splits that this takes, and of finding their form factors, in seconds.
     pub linking_s: f64,
     /// Vertices of the baked mesh.
@@ -353,6 +372,7 @@ pub(crate) fn solve<'a>(
                 solve: settings.solve,
                 tolerance: settings.shade.tolerance,
                 coarser: settings.coarser_light(),
+                rays: settings.rays(prepared),
             };
             let room = Room { scene, prepared, visibility, direct: &direct, links };
             let (solution, bounced) = shade::bounce(room, bouncing, mesh, &mut surfaces, before.bounced(), progress)?;
@@ -391,6 +411,7 @@ pub(crate) fn show(
 
     let light = Irradiance::new(prepared, visibility, mesh, &solution.reflected, solution.mean_irradiance(mesh))
         .coarser(settings.coarser_light())
+        .along_rays(settings.rays(prepared))
         .with_memory(before.gathered());
     let indirect = IndirectLight { irradiance: &light, bounced: &bounced };
     let mut meshes = if refined {
@@ -414,6 +435,7 @@ pub(crate) fn show(
         compactness: compactness_of(mesh),
         leaves: mesh.leaves().count(),
         links: links.len(),
+        rays: settings.rays(prepared),
         linking_s: clock.linking_s,
         vertices: shaded.mesh.vertex_count(),
         triangles: shaded.mesh.triangle_count(),
@@ -540,12 +562,18 @@ pub(crate) fn mesh_and_link(
     let Traced { prepared, discontinuities } = traced;
     let mut mesh = Mesh::new(&prepared, &discontinuities.segments, settings.mesh());
     let form_factor = settings.form_factor_oracle(&prepared);
+    let rays = settings.rays(&prepared);
     let brightness = match settings.oracle {
         OracleKind::FormFactor => None,
+        OracleKind::Brightness if rays.is_some() => None,
         OracleKind::Brightness => BrightnessOracle::new(form_factor, scene, &prepared, &visibility, &mesh),
     };
     let begin = Instant::now();
     let links = match brightness {
+        None if rays.is_some() => {
+            transport::subdivide_all(&prepared, &visibility, &mut mesh, &form_factor, progress)?;
+            Links::default()
+        }
         Some(oracle) => transport::link_all(&prepared, &visibility, &mut mesh, &oracle, progress)?,
         None => transport::link_all(&prepared, &visibility, &mut mesh, &form_factor, progress)?,
     };

@@ -35,6 +35,8 @@ pub(super) struct Element {
     /// Mean square of how far the field departs from the parabola through corners and middles at [`MORE_PROBES`], where it was
     /// looked at there.
     between: Rgb,
+    /// Mean variance of what the values at its corners err by chance.
+    variance: f32,
     /// Whether it ends in a corner of a contact, where the field has no one value.
     at_contact_corner: bool,
 }
@@ -42,6 +44,9 @@ pub(super) struct Element {
 /// Where an element is looked at inside: barycentric coordinates. On a face that is lit evenly all around, the points of the
 /// parabola alone, and the centroid, may be right by symmetry; this point is on no axis of it.
 const PROBE: [f64; 3] = [0.45, 0.33, 0.22];
+/// What a field departs by chance from the parabola through values that err by chance has this many times their variance: 1.6 times
+/// the square, of which no more than a tenth of all cases is three times as much.
+const BY_CHANCE: f64 = 5.0;
 /// Where else a large element is looked at.
 const MORE_PROBES: [[f64; 3]; 2] = [[0.1, 0.7, 0.2], [0.2, 0.1, 0.7]];
 
@@ -71,7 +76,8 @@ impl Outlined {
         places.middle(mesh, self.patch, [triangle[i], triangle[(i + 1) % 3]].map(|k| &self.boundary[k]))
     }
 
-    /// The elements, once the values that they need are known. Those larger than `large_m2` are looked at in more points.
+    /// The elements, once the values that they need are known: those that were there `before`, and others. Of these, the ones larger
+    /// than `large_m2` are looked at in more points.
     pub(super) fn elements(
         &self,
         mesh: &Mesh,
@@ -79,8 +85,13 @@ impl Outlined {
         values: &Values,
         field: &impl Field,
         large_m2: f64,
+        before: &[Element],
     ) -> Vec<Element> {
         let element = |&triangle: &[usize; 3]| {
+            let vertices = triangle.map(|k| self.boundary[k].vertex);
+            if let Some(known) = before.iter().find(|element| element.vertices == vertices) {
+                return Some(*known);
+            }
             let [a, b, c] = triangle.map(|k| mesh.vertex_m(self.boundary[k].vertex));
             let number = |k: usize| values.number(&places.vertex(mesh, self.patch, self.boundary[k].vertex).key);
             let corners = [number(triangle[0])?, number(triangle[1])?, number(triangle[2])?];
@@ -102,8 +113,9 @@ impl Outlined {
             let area_m2 = 0.5 * (b - a).cross(c - a).length();
             let between =
                 if area_m2 > large_m2 { MORE_PROBES.map(beyond).into_iter().sum::<Rgb>() / 2.0 } else { Rgb::ZERO };
-            let vertices = triangle.map(|k| self.boundary[k].vertex);
-            Some(Element { area_m2, vertices, corners, bulges, inside: departure(PROBE), between, at_contact_corner })
+            let variance = (corners.iter().map(|&corner| values.variance(corner)).sum::<f64>() / 3.0) as f32;
+            let inside = departure(PROBE);
+            Some(Element { area_m2, vertices, corners, bulges, inside, between, variance, at_contact_corner })
         };
         self.triangles.iter().filter_map(element).collect()
     }
@@ -144,10 +156,10 @@ impl Element {
         !self.at_contact_corner && squared.element_sum() / 3.0 > most * most
     }
 
-    /// Square of what quadratic interpolation errs where it was looked at, per colour.
+    /// Square of what quadratic interpolation errs where it was looked at, beyond what may be by chance, per colour.
     pub(super) fn quadratic_error_squared(&self) -> Rgb {
         let inside = self.inside - parabola(PROBE, &self.bulges);
-        (inside * inside).max(self.between)
+        ((inside * inside).max(self.between) - Rgb::splat(BY_CHANCE * f64::from(self.variance))).max(Rgb::ZERO)
     }
 }
 
@@ -203,6 +215,7 @@ mod tests {
             bulges,
             inside: Rgb::ZERO,
             between: Rgb::ZERO,
+            variance: 0.0,
             at_contact_corner: false,
         };
         let shifts = [0.2, -0.4, 0.1].map(Rgb::splat);

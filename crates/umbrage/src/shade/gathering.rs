@@ -40,6 +40,8 @@ pub(super) struct Gathering<'a, F> {
     light: &'a Irradiance<'a>,
     receiver: &'a ReceiverPoint,
     screens: Screens<'a>,
+    /// What stopped the last ray that was stopped: often it stops the next one, too.
+    stopped_by: Option<FaceId>,
     /// Takes the terms of patches.
     add: F,
 }
@@ -54,7 +56,7 @@ struct Sight<'a> {
 
 impl<'a, F: FnMut(Term)> Gathering<'a, F> {
     pub(super) fn new(light: &'a Irradiance<'a>, receiver: &'a ReceiverPoint, add: F) -> Self {
-        Self { light, receiver, screens: Screens::new(light.visibility, receiver), add }
+        Self { light, receiver, screens: Screens::new(light.visibility, receiver), stopped_by: None, add }
     }
 
     /// Adds the terms of patches that are not in crowds; those of crowds are returned.
@@ -177,9 +179,16 @@ impl<'a, F: FnMut(Term)> Gathering<'a, F> {
 
     /// Whether a point of a source is seen past some faces, or past all where none are given.
     fn sees(&mut self, among: Option<&[FaceId]>, source: &FlatSource, to_m: DVec3) -> bool {
+        let (visibility, from_m) = (self.light.visibility, self.receiver.position_m);
         let planes = [self.receiver.plane, source.plane];
-        let blocker = self.light.visibility.blocker(among, self.receiver.position_m, to_m, planes);
-        blocker.into_iter().for_each(|face| self.screens.note(face));
+        if self.stopped_by.is_some_and(|face| visibility.is_blocked_by(face, from_m, to_m, planes)) {
+            return false;
+        }
+        let blocker = visibility.blocker(among, from_m, to_m, planes);
+        if let Some(face) = blocker {
+            self.screens.note(face);
+            self.stopped_by = blocker;
+        }
         blocker.is_none()
     }
 }

@@ -53,6 +53,8 @@ pub struct Irradiance<'a> {
     pub(super) mean: f64,
     /// Where a patch is weak, by what it could bring, in W/m2.
     pub(super) weak: f64,
+    /// Along how many rays light is gathered, if not from each face.
+    rays: Option<usize>,
     memory: Memory<'a, Terms>,
 }
 
@@ -97,12 +99,17 @@ impl<'a> Irradiance<'a> {
         });
         let (mean, memory) = (mean.element_sum() / 3.0, Memory::None);
         let weak = WEAK_OF_MEAN * mean;
-        Self { prepared, visibility, mesh, reflected, crowds, most, sources, mean, weak, memory }
+        Self { prepared, visibility, mesh, reflected, crowds, most, sources, mean, weak, rays: None, memory }
     }
 
     /// The same, for light that may err so many times more: what is weak may be so much brighter.
     pub fn coarser(self, times: f64) -> Self {
         Self { weak: times * self.weak, ..self }
+    }
+
+    /// The same, which gathers along so many rays, if any number is given, and not from each face.
+    pub fn along_rays(self, rays: Option<usize>) -> Self {
+        Self { rays, ..self }
     }
 
     /// The same, which looks into `memory` for what points see of the patches, or notes it there.
@@ -113,20 +120,45 @@ impl<'a> Irradiance<'a> {
     /// Irradiance by reflection, in W/m2, at a point; below zero where what is reflected falls so steeply that its linear fit
     /// does.
     pub fn indirect(&self, receiver: &ReceiverPoint) -> Rgb {
-        if !matches!(self.memory, Memory::None) {
-            return self.memory.read(receiver, || self.find_terms(receiver), |terms| self.sum_of(terms));
+        if self.rays.is_some() || !matches!(self.memory, Memory::None) {
+            return self.of_terms(receiver, |terms| self.sum_of(terms));
         }
         let mut sum = Rgb::ZERO;
         let crowds = Gathering::new(self, receiver, |term| sum += self.reflected.of(&term)).gather();
         sum + crowds.iter().map(|term| term.of(&self.crowds)).sum::<Rgb>()
     }
 
+    /// The same, and the variance of what it errs, over the three colours, in W2/m4: it is 0 where light is not gathered along rays.
+    pub(super) fn indirect_and_variance(&self, receiver: &ReceiverPoint) -> (Rgb, f64) {
+        if self.rays.is_none() {
+            return (self.indirect(receiver), 0.0);
+        }
+        self.of_terms(receiver, |terms| (self.sum_of(terms), self.variance_of(terms)))
+    }
+
     /// The terms of which irradiance by reflection at a point is the sum, for other light that patches reflect about as much of.
     pub(super) fn terms(&self, receiver: &ReceiverPoint) -> Terms {
+        self.of_terms(receiver, Terms::clone)
+    }
+
+    fn of_terms<T>(&self, receiver: &ReceiverPoint, of: impl Fn(&Terms) -> T) -> T {
         match self.memory {
-            Memory::None => self.find_terms(receiver),
-            _ => self.memory.read(receiver, || self.find_terms(receiver), Terms::clone),
+            Memory::None => of(&self.find_terms(receiver)),
+            _ => self.memory.read(receiver, || self.find_terms(receiver), of),
         }
+    }
+
+    /// The variance of a sum of terms that were found along rays, over the three colours, in W2/m4: what each of them brings is as
+    /// likely as that of any other.
+    pub(super) fn variance_of(&self, terms: &Terms) -> f64 {
+        let Some(rays) = self.rays else { return 0.0 };
+        let (mut sum, mut squared) = (0.0, 0.0);
+        for term in &terms.of_patches {
+            let (share, brought) = (f64::from(term.factor), self.reflected.of(term).element_sum() / 3.0);
+            sum += brought;
+            squared += brought * brought / share;
+        }
+        (squared - sum * sum) / rays as f64
     }
 
     /// Irradiance by reflection where these are the terms, in W/m2.
@@ -135,8 +167,11 @@ impl<'a> Irradiance<'a> {
     }
 
     /// Terms that were found before patches were split, with those of faces anew that are not as good now: where what is split is
-    /// neither linear nor little of what is seen.
+    /// neither linear nor little of what is seen. What was found along rays stays as it is.
     pub(super) fn renewed(&self, receiver: &ReceiverPoint, terms: &Terms) -> Terms {
+        if self.rays.is_some() {
+            return terms.clone();
+        }
         let face = |term: &Term| self.mesh.patch(term.patch).face;
         let is_stale = |of_patch: &&[Term]| {
             let factor: f64 = of_patch.iter().map(|term| f64::from(term.factor)).sum();
@@ -182,6 +217,9 @@ impl<'a> Irradiance<'a> {
     }
 
     fn find_terms(&self, receiver: &ReceiverPoint) -> Terms {
+        if let Some(rays) = self.rays {
+            return self.terms_along_rays(receiver, rays);
+        }
         let mut of_patches = Vec::new();
         let of_crowds = Gathering::new(self, receiver, |term| of_patches.push(term)).gather();
         Terms { of_patches: of_patches.into_boxed_slice(), of_crowds: of_crowds.into_boxed_slice() }
@@ -201,6 +239,11 @@ pub struct Terms {
 }
 
 impl Terms {
+    /// Of patches alone.
+    pub(super) fn of_patches(of_patches: Box<[Term]>) -> Self {
+        Self { of_patches, of_crowds: Box::default() }
+    }
+
     /// Whether all that is named is among so many patches and clusters, in a scene of this extent: where terms come from a file, it must be
     /// checked.
     pub fn fits(&self, (patches, clusters): (usize, usize), extent_m: f64) -> bool {
@@ -212,6 +255,14 @@ impl Terms {
     pub(super) fn sum(&self, radiosity: &Table<PatchId, Linear<Rgb>>, crowds: &Table<ClusterId, Crowd>) -> Rgb {
         self.of_patches.iter().map(|term| term.of(radiosity)).sum::<Rgb>()
             + self.of_crowds.iter().map(|term| term.of(crowds)).sum::<Rgb>()
+    }
+}
+
+#[cfg(test)]
+impl Terms {
+    /// Sum of the factors of patches.
+    pub(super) fn factors(&self) -> f64 {
+        self.of_patches.iter().map(|term| f64::from(term.factor)).sum()
     }
 }
 
@@ -245,6 +296,10 @@ pub(super) struct Indirect<'a>(pub(super) &'a Irradiance<'a>);
 impl Field for Indirect<'_> {
     fn at(&self, _: &Mesh, point: &ReceiverPoint, _: PatchId) -> Rgb {
         self.0.indirect(point)
+    }
+
+    fn with_variance(&self, _: &Mesh, point: &ReceiverPoint, _: PatchId) -> (Rgb, f64) {
+        self.0.indirect_and_variance(point)
     }
 }
 

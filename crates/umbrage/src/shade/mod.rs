@@ -9,6 +9,7 @@ mod crowd;
 mod element;
 mod field;
 mod gathering;
+mod hemisphere;
 mod interpolated;
 mod irradiance;
 mod part;

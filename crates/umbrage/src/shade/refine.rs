@@ -95,7 +95,7 @@ pub(super) fn refine(
         let looked_at = refined.values.as_slice().len();
         let fresh = stale.par_iter().map(|leaf| {
             progress.report(Stage::Shade, looked_at, 0)?;
-            Ok(leaf.elements(mesh, places, &refined.values, field, large_m2))
+            Ok(leaf.elements(mesh, places, &refined.values, field, large_m2, &refined.elements[leaf.patch.index()]))
         });
         let fresh: Vec<Vec<Element>> = fresh.collect::<Result<_, Cancelled>>()?;
         for (leaf, elements) in stale.iter().zip(fresh) {

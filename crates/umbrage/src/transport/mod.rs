@@ -22,5 +22,5 @@ pub use fit::Linear;
 pub use link::{Link, LinkError, Links, Node};
 pub use oracle::{Decision, FormFactorOracle, Oracle, OracleKind, ParseOracleError};
 pub use seen::{KnownSources, SourceMemory, SourcesSeen};
-pub use subdivide::link_all;
+pub use subdivide::{link_all, subdivide_all};
 pub use uneven::split_where_uneven;

@@ -37,17 +37,17 @@ const PAIRS_PER_REPORT: usize = 64;
 /// So many links are computed between two reports of progress.
 const LINKS_PER_REPORT: usize = 256;
 
-/// Splits the mesh and links its patches.
+/// Splits the mesh until the oracle lets all pairs of patches that could exchange much be linked: these are returned.
 ///
 /// # Errors
 /// [`Cancelled`] where `progress` asks to stop; the mesh is then split in part.
-pub fn link_all(
+pub fn subdivide_all(
     prepared: &Prepared,
     visibility: &Visibility,
     mesh: &mut Mesh,
     oracle: &impl Oracle,
     progress: Progress<'_>,
-) -> Result<Links, Cancelled> {
+) -> Result<Vec<[Node; 2]>, Cancelled> {
     let mut subdivision = Subdivision { mesh, oracle, divided_by_d0: Vec::new(), pairs: Vec::new() };
     for (number, [p, q]) in pairs(prepared, visibility).into_iter().enumerate() {
         if number.is_multiple_of(PAIRS_PER_REPORT) {
@@ -55,8 +55,24 @@ pub fn link_all(
         }
         subdivision.subdivide(subdivision.mesh.root(p), subdivision.mesh.root(q));
     }
-    let (pairs, mesh) = (subdivision.pairs, &*mesh);
+    let pairs = subdivision.pairs;
     tracing::debug!(pairs = pairs.len(), patches = mesh.patch_count(), "subdivided");
+    Ok(pairs)
+}
+
+/// Splits the mesh and links its patches.
+///
+/// # Errors
+/// As [`subdivide_all`].
+pub fn link_all(
+    prepared: &Prepared,
+    visibility: &Visibility,
+    mesh: &mut Mesh,
+    oracle: &impl Oracle,
+    progress: Progress<'_>,
+) -> Result<Links, Cancelled> {
+    let pairs = subdivide_all(prepared, visibility, mesh, oracle, progress)?;
+    let mesh = &*mesh;
     let done = AtomicUsize::new(0);
     let links: Vec<_> = pairs
         .par_iter()

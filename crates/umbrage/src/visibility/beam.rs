@@ -179,7 +179,7 @@ impl Visibility {
         if outline.is_empty() || area_m2 <= rounding.thin_m2 {
             return None;
         }
-        let window = Window::new(receiver, &source.frame, view, outline, self.tolerance().weld_m(), rounding);
+        let window = Window::new(receiver, &source.frame, view, outline, self.tolerance(), rounding);
         Some(Beam { window, whole, area_m2, passing: [receiver.plane, source.plane] })
     }
 
@@ -188,6 +188,7 @@ impl Visibility {
         let mut between = Between::new();
         self.walk_among(
             among,
+            |aabb| beam.window.rounded_box_may_occlude(aabb.min, aabb.max),
             |min_m, max_m| beam.window.box_may_occlude(min_m, max_m),
             |face| {
                 if !beam.passing.contains(&self.plane(face)) {
@@ -207,6 +208,7 @@ impl Visibility {
         let mut most_m2: f64 = 0.0;
         self.walk_among(
             among,
+            |aabb| window.rounded_box_may_occlude(aabb.min, aabb.max),
             |min_m, max_m| window.box_may_occlude(min_m, max_m),
             |face| {
                 if passing.contains(&self.plane(face)) {

@@ -18,9 +18,12 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
-use crate::geometry::Tolerance;
+use crate::geometry::{Plane, Tolerance};
 use crate::id::{FaceId, PlaneId, Table};
 use crate::prepare::Prepared;
+
+/// Distances from planes are good to this share of the extent, at points within a few extents.
+const ROUNDED_OF_EXTENT: f64 = 1e-13;
 
 /// What the index knows of a face.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +36,8 @@ struct IndexedFace {
     min_m: DVec3,
     /// Its box, in metres.
     max_m: DVec3,
+    /// A plane that its corners lie in, within a distance in metres.
+    near: (Plane, f64),
 }
 
 impl Boundable for IndexedFace {
@@ -53,6 +58,8 @@ fn rounded(p: DVec3, outward: fn(f32) -> f32) -> Vec3A {
 pub struct Visibility {
     tree: Bvh2,
     faces: Table<FaceId, IndexedFace>,
+    /// Their boxes in `f32`, rounded outward: four of them lie where one of the others does.
+    boxes: Table<FaceId, Aabb>,
     corners_m: Vec<DVec3>,
     tolerance: Tolerance,
 }
@@ -91,15 +98,19 @@ impl Visibility {
             let start = corners_m.len();
             corners_m.extend(prepared.boundary(id).map(|v| prepared.vertices_m[v]));
             let mine = &corners_m[start..];
+            let near = prepared.oriented_plane(id);
+            let apart_m = mine.iter().map(|corner| near.signed_distance_m(*corner).abs()).fold(0.0, f64::max);
             faces.push(IndexedFace {
                 plane: face.plane,
                 boundary: (start as u32, corners_m.len() as u32),
                 min_m: mine.iter().copied().fold(DVec3::INFINITY, DVec3::min),
                 max_m: mine.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
+                near: (near, apart_m + ROUNDED_OF_EXTENT * prepared.tolerance.extent_m),
             });
         }
         let tree = if faces.is_empty() { Bvh2::default() } else { build(faces.raw.as_slice()) };
-        Self { tree, faces, corners_m, tolerance: prepared.tolerance }
+        let boxes = faces.iter().map(Boundable::aabb).collect();
+        Self { tree, faces, boxes, corners_m, tolerance: prepared.tolerance }
     }
 
     /// The tree of boxes.
@@ -115,6 +126,18 @@ impl Visibility {
     /// Tolerances of the scene that was indexed.
     pub fn tolerance(&self) -> Tolerance {
         self.tolerance
+    }
+
+    /// Whether both points are on one side of a face, farther from its plane than any of its corners: they may be where this is false.
+    pub(super) fn is_beside(&self, face: FaceId, from_m: DVec3, to_m: DVec3) -> bool {
+        let (plane, apart_m) = &self.faces[face].near;
+        let [from, to] = [from_m, to_m].map(|end| plane.signed_distance_m(end));
+        from.min(to) > *apart_m || from.max(to) < -apart_m
+    }
+
+    /// The box of a face, in metres.
+    pub(super) fn bounds_m(&self, face: FaceId) -> [DVec3; 2] {
+        [self.faces[face].min_m, self.faces[face].max_m]
     }
 
     /// The plane that a face lies in.
@@ -138,51 +161,51 @@ impl Visibility {
     /// Visits every face whose box passes `meets(min_m, max_m)`, until `visit` breaks. A box that contains a passing
     /// box must pass too.
     pub(crate) fn walk(&self, meets: impl Fn(DVec3, DVec3) -> bool, visit: impl FnMut(FaceId) -> ControlFlow<()>) {
-        self.walk_nodes(|node| meets(node.min.as_dvec3(), node.max.as_dvec3()), &meets, visit);
+        let rounded = |aabb: &Aabb| meets(aabb.min.as_dvec3(), aabb.max.as_dvec3());
+        self.walk_among(None, rounded, &meets, visit);
     }
 
-    /// Visits those of some faces whose boxes pass, as [`Self::walk`]; of all faces where none are given.
-    pub(crate) fn walk_among(
+    /// Visits those of some faces whose boxes pass, as [`Self::walk`]; of all faces where none are given. The boxes are rounded outward
+    /// for `may_meet`, which may pass more.
+    pub(super) fn walk_among(
         &self,
         among: Option<&[FaceId]>,
+        may_meet: impl Fn(&Aabb) -> bool,
         meets: impl Fn(DVec3, DVec3) -> bool,
         mut visit: impl FnMut(FaceId) -> ControlFlow<()>,
     ) {
-        let Some(faces) = among else { return self.walk(meets, visit) };
-        for &face in faces {
+        let mut visit_met = |face: FaceId| {
             let bounds = &self.faces[face];
-            if meets(bounds.min_m, bounds.max_m) && visit(face).is_break() {
+            if meets(bounds.min_m, bounds.max_m) { visit(face) } else { ControlFlow::Continue(()) }
+        };
+        let Some(faces) = among else { return self.walk_nodes(may_meet, visit_met) };
+        for &face in faces {
+            if may_meet(&self.boxes[face]) && visit_met(face).is_break() {
                 return;
             }
         }
     }
 
-    /// As [`Self::walk`], with a test of its own for the boxes of nodes: it may pass more.
-    pub(super) fn walk_nodes(
-        &self,
-        node_meets: impl Fn(&Aabb) -> bool,
-        meets: impl Fn(DVec3, DVec3) -> bool,
-        mut visit: impl FnMut(FaceId) -> ControlFlow<()>,
-    ) {
+    /// Visits the faces in the nodes that pass.
+    fn walk_nodes(&self, may_meet: impl Fn(&Aabb) -> bool, mut visit: impl FnMut(FaceId) -> ControlFlow<()>) {
         let mut stack: smallvec::SmallVec<[u32; 64]> = smallvec::SmallVec::new();
         if !self.tree.nodes.is_empty() {
             stack.push(0);
         }
         while let Some(index) = stack.pop() {
             let node = &self.tree.nodes[index as usize];
-            if !node_meets(node.aabb()) {
+            if !may_meet(node.aabb()) {
                 continue;
             }
             let first = node.first_index;
             if !node.is_leaf() {
-                stack.extend([first + 1, first]);
+                stack.push(first + 1);
+                stack.push(first);
                 continue;
             }
             let range = first as usize..(first + node.prim_count) as usize;
             for &primitive in &self.tree.primitive_indices[range] {
-                let face = FaceId::from(primitive as usize);
-                let bounds = &self.faces[face];
-                if meets(bounds.min_m, bounds.max_m) && visit(face).is_break() {
+                if visit(FaceId::from(primitive as usize)).is_break() {
                     return;
                 }
             }

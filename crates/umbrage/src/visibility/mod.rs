@@ -6,8 +6,10 @@
 
 mod beam;
 mod cluster;
+mod first;
 #[cfg(test)]
 pub(crate) mod fixture;
+mod half_spaces;
 mod index;
 mod memory;
 mod ray;

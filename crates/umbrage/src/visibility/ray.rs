@@ -30,24 +30,25 @@ impl Visibility {
     ) -> Option<FaceId> {
         let mut hit = None;
         let visit = |face| {
-            if passing.contains(&self.plane(face)) {
+            if !self.is_blocked_by(face, from_m, to_m, passing) {
                 return ControlFlow::Continue(());
             }
-            hit = self.is_crossed(face, from_m, to_m).then_some(face);
-            if hit.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            hit = Some(face);
+            ControlFlow::Break(())
         };
-        let slabs = Slabs::new(from_m, to_m);
-        match among {
-            Some(_) => self.walk_among(among, |min_m, max_m| slabs.meet(min_m, max_m), visit),
-            None => self.walk_along(&slabs, visit),
-        }
+        self.walk_along(&Slabs::new(from_m, to_m), among, visit);
         hit
+    }
+
+    /// Whether a face crosses the open segment between two points and lies in none of the planes `passing`.
+    pub(crate) fn is_blocked_by(&self, face: FaceId, from_m: DVec3, to_m: DVec3, passing: [PlaneId; 2]) -> bool {
+        !passing.contains(&self.plane(face)) && self.is_crossed(face, from_m, to_m)
     }
 
     /// The faces that cross the open segment between two points, but for those in the plane `passing`.
     pub fn crossed(&self, from_m: DVec3, to_m: DVec3, passing: PlaneId) -> Vec<FaceId> {
         let mut crossed = Vec::new();
-        self.walk_along(&Slabs::new(from_m, to_m), |face| {
+        self.walk_along(&Slabs::new(from_m, to_m), None, |face| {
             if self.plane(face) != passing && self.is_crossed(face, from_m, to_m) {
                 crossed.push(face);
             }
@@ -57,18 +58,48 @@ impl Visibility {
     }
 
     fn is_crossed(&self, face: FaceId, from_m: DVec3, to_m: DVec3) -> bool {
-        let boundary = self.boundary_m(face);
-        boundary[1..].windows(2).any(|pair| crosses(from_m, to_m, [boundary[0], pair[0], pair[1]]))
+        self.crossing(face, from_m, to_m).is_some()
     }
 
-    /// Visits the faces whose boxes a segment meets.
-    fn walk_along(&self, slabs: &Slabs, visit: impl FnMut(FaceId) -> ControlFlow<()>) {
-        self.walk_nodes(|node| slabs.may_meet(node.min, node.max), |min_m, max_m| slabs.meet(min_m, max_m), visit);
+    /// How far the ends of an open segment that a face crosses, by exact signs, are over the face, in one measure: one of them is
+    /// below zero.
+    pub(super) fn crossing(&self, face: FaceId, from_m: DVec3, to_m: DVec3) -> Option<[f64; 2]> {
+        if self.is_beside(face, from_m, to_m) {
+            return None;
+        }
+        let (&apex, others) = self.boundary_m(face).split_first()?;
+        // A triangle of the fan is crossed where the line turns the same way around all of its sides.
+        let mut turn = orient_3d(from_m, to_m, apex, *others.first()?);
+        for pair in others.windows(2) {
+            let next = orient_3d(from_m, to_m, apex, pair[1]);
+            let (first, last) = (std::mem::replace(&mut turn, next), -next);
+            if (first > 0.0 && last < 0.0) || (first < 0.0 && last > 0.0) {
+                continue;
+            }
+            let turns = [first, orient_3d(from_m, to_m, pair[0], pair[1]), last];
+            if turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0) {
+                let over = [from_m, to_m].map(|end| orient_3d(apex, pair[0], pair[1], end));
+                if over[0] * over[1] < 0.0 {
+                    return Some(over);
+                }
+            }
+        }
+        None
+    }
+
+    /// Visits the faces, of some or of all, whose boxes a segment meets.
+    fn walk_along(&self, slabs: &Slabs, among: Option<&[FaceId]>, visit: impl FnMut(FaceId) -> ControlFlow<()>) {
+        self.walk_among(
+            among,
+            |aabb| slabs.may_meet(aabb.min, aabb.max),
+            |min_m, max_m| slabs.meet(min_m, max_m),
+            visit,
+        );
     }
 }
 
 /// A segment, made for the question which boxes it meets: those whose slabs along the axes it is in at one time.
-struct Slabs {
+pub(super) struct Slabs {
     from_m: DVec3,
     per_m: DVec3,
     /// The start in `f32`, moved by its rounding either way.
@@ -77,7 +108,7 @@ struct Slabs {
 }
 
 impl Slabs {
-    fn new(from_m: DVec3, to_m: DVec3) -> Self {
+    pub(super) fn new(from_m: DVec3, to_m: DVec3) -> Self {
         // Finite, so that a box whose border the ray starts on, along an axis that it does not follow, is not lost as
         // NaN.
         let per_m = (to_m - from_m).recip().clamp(DVec3::splat(-MOST_PER_M), DVec3::splat(MOST_PER_M));
@@ -85,7 +116,7 @@ impl Slabs {
         Self { from_m, per_m, around_m: [start - grown, start + grown], per_m_rounded: per_m.as_vec3a() }
     }
 
-    fn meet(&self, min_m: DVec3, max_m: DVec3) -> bool {
+    pub(super) fn meet(&self, min_m: DVec3, max_m: DVec3) -> bool {
         let (to_min, to_max) = ((min_m - self.from_m) * self.per_m, (max_m - self.from_m) * self.per_m);
         let near = to_min.min(to_max).max_element().max(0.0);
         let far = to_min.max(to_max).min_element().min(1.0);
@@ -95,11 +126,16 @@ impl Slabs {
     /// The same in `f32`, where rounding never loses a box: but it may pass one more (Ize, *Robust BVH ray traversal*,
     /// 2013).
     fn may_meet(&self, min_m: Vec3A, max_m: Vec3A) -> bool {
+        self.may_enter(min_m, max_m).is_some()
+    }
+
+    /// The time at which it may enter a box, if it may meet it at all: no later than it does.
+    pub(super) fn may_enter(&self, min_m: Vec3A, max_m: Vec3A) -> Option<f32> {
         let to_min = (min_m - self.around_m[1]) * self.per_m_rounded;
         let to_max = (max_m - self.around_m[0]) * self.per_m_rounded;
         let near = to_min.min(to_max).max_element().max(0.0);
         let far = to_min.max(to_max).min_element().min(1.0);
-        near <= far + ROUNDED_SLACK
+        (near <= far + ROUNDED_SLACK).then_some(near - ROUNDED_SLACK)
     }
 }
 
@@ -112,15 +148,6 @@ const ROUNDED_SLACK: f32 = 1e-6;
 const ROUNDED_START: f64 = 1.2e-7;
 /// In place of infinity where a ray does not follow an axis: finite in `f32`, whatever a scene's extent is in metres.
 const MOST_PER_M: f64 = 1e25;
-
-/// Whether a closed triangle crosses an open segment, by exact signs.
-fn crosses(from: DVec3, to: DVec3, [p, q, r]: [DVec3; 3]) -> bool {
-    if orient_3d(p, q, r, from) * orient_3d(p, q, r, to) >= 0.0 {
-        return false;
-    }
-    let turns = [orient_3d(from, to, p, q), orient_3d(from, to, q, r), orient_3d(from, to, r, p)];
-    turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0)
-}
 
 #[cfg(test)]
 mod tests {

@@ -8,13 +8,14 @@
 //! Holds: a point of space throws the same shadow in every face that has it as a corner, and an edge the same clipped
 //! ends.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3A};
 use smallvec::SmallVec;
 
 use super::ReceiverPoint;
+use super::half_spaces::HalfSpaces;
 use super::shadow::Rounding;
 use crate::geometry::convex::{self, Convex, Moments};
-use crate::geometry::{Plane, PlaneFrame, clip};
+use crate::geometry::{Plane, PlaneFrame, Tolerance, clip};
 
 /// Occluders nearer to the receiver point than this share of its height over the source are cut off: there the
 /// projection loses all digits.
@@ -79,9 +80,13 @@ pub(super) struct Window<'a> {
     on_source_m: f64,
     pub(super) outline: Convex,
     pub(super) rounding: Rounding,
-    /// Normals of the beam's sides, inward, through the receiver point; and the least height over them that counts.
-    beam_sides: SmallVec<[(DVec3, f64); 8]>,
+    beam_sides: BeamSides,
+    /// All sides of what an occluder must meet.
+    rounded: HalfSpaces,
 }
+
+/// Normals of the beam's sides, inward, through the receiver point; and the least height over them that counts.
+type BeamSides = SmallVec<[(DVec3, f64); 8]>;
 
 impl<'a> Window<'a> {
     pub(super) fn new(
@@ -89,25 +94,42 @@ impl<'a> Window<'a> {
         frame: &'a PlaneFrame,
         view: PlaneView,
         outline: Convex,
-        weld_m: f64,
+        tolerance: Tolerance,
         rounding: Rounding,
     ) -> Self {
+        let weld_m = tolerance.weld_m();
         let to_side = |(p, q): (DVec2, DVec2)| {
             let [from, to] = [p, q].map(|corner| frame.to_3d(corner) - receiver.position_m);
             let side = to.cross(from);
             (side, TOUCHING * side.length() * from.length().max(to.length()))
         };
+        let on_source_m = weld_m.min(IN_SOURCE_OF_HEIGHT * view.height_m);
+        let beam_sides: BeamSides = convex::long_sides(&outline, rounding.slack_m).map(to_side).collect();
+        let towards = frame.plane.normal;
+        let ends = [
+            (receiver.normal, weld_m),
+            (towards, on_source_m - view.height_m),
+            // What is as high over the source as the point is behind it.
+            (-towards, 0.0),
+        ];
+        let half_spaces = ends.into_iter().chain(beam_sides.iter().copied());
         Self {
             receiver,
             frame,
             view,
             horizon: Plane::through(receiver.position_m, receiver.normal),
             on_receiver_m: weld_m,
-            on_source_m: weld_m.min(IN_SOURCE_OF_HEIGHT * view.height_m),
-            beam_sides: convex::long_sides(&outline, rounding.slack_m).map(to_side).collect(),
+            on_source_m,
+            rounded: HalfSpaces::around(receiver.position_m, half_spaces, tolerance.extent_m),
+            beam_sides,
             outline,
             rounding,
         }
+    }
+
+    /// The same as [`Self::box_may_occlude`], for a box that is rounded outward: it may pass more.
+    pub(super) fn rounded_box_may_occlude(&self, min_m: Vec3A, max_m: Vec3A) -> bool {
+        self.rounded.may_meet(min_m, max_m)
     }
 
     /// Whether a face in this box may take something of the window: false only where it cannot.
