@@ -69,7 +69,13 @@ pub(crate) fn summary(
     if let Some(bytes) = memory::peak_bytes() {
         line("peak memory", self::bytes(bytes));
     }
-    let mended = mended(&report.prepare);
+    let mut mended = mended(&report.prepare);
+    if report.flat_triangles > 0 {
+        mended.push(count(
+            report.flat_triangles,
+            "triangle flat as a needle taken out|triangles flat as a needle taken out",
+        ));
+    }
     if !mended.is_empty() {
         line("mended", mended.join(", "));
     }

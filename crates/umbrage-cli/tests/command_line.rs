@@ -2,33 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod common;
+
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Command;
 
-fn umbrage(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_umbrage")).args(arguments).output().unwrap()
-}
-
-/// An empty folder of this test's own.
-fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).unwrap();
-    path
-}
-
-fn code(output: &Output) -> Option<i32> {
-    output.status.code()
-}
-
-fn out(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-fn err(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
+use common::{code, err, folder, out, scene, umbrage};
 
 #[test]
 fn help_names_every_command_and_shows_how() {
@@ -291,10 +271,6 @@ fn stages_are_told_and_drawn() {
     }
     let refused = umbrage(&["inspect", scene, "--stage", "mesh", "-o", "mesh.png"]);
     assert!(code(&refused) == Some(1) && err(&refused).contains(".svg"), "{}", err(&refused));
-}
-
-fn scene(name: &str) -> String {
-    format!("{}/../../testdata/scenes/{name}", env!("CARGO_MANIFEST_DIR"))
 }
 
 #[test]

@@ -2,33 +2,17 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod common;
+
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
+use common::{err, folder, scene, umbrage};
+
 /// A tolerance that no bake of the occluder reaches in the time of a test, though its first step does.
 const OUT_OF_REACH: &str = "0.00001";
-
-fn umbrage(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_umbrage")).args(arguments).output().unwrap()
-}
-
-/// An empty folder of this test's own.
-fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("in_steps").join(name);
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).unwrap();
-    path
-}
-
-fn scene(name: &str) -> String {
-    format!("{}/../../testdata/scenes/{name}", env!("CARGO_MANIFEST_DIR"))
-}
-
-fn err(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
 
 /// The tolerance that a baked file says it was made with.
 fn tolerance_in(path: &Path) -> f64 {

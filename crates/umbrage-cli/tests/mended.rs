@@ -2,24 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod common;
+
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
-fn umbrage(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_umbrage")).args(arguments).output().unwrap()
-}
-
-fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).unwrap();
-    path
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
+use common::{err, folder, out, umbrage};
 
 /// A closed room of 2 x 2 x 2 m that looks in, its floor turned over or not, and a lamp in it.
 fn room(floor: &str) -> String {
@@ -40,14 +27,14 @@ fn a_wall_that_looks_out_of_a_closed_room_is_turned_over_with_a_warning_and_veri
     for (scene, turned) in [("sound", false), ("room", true)] {
         let (scene, baked) = (path(&format!("{scene}.obj")), path(&format!("{scene}.glb")));
         let bake = umbrage(&["bake", &scene, "-o", &baked, "--tolerance", "0.05"]);
-        assert!(bake.status.success(), "{}", text(&bake.stderr));
-        assert_eq!(text(&bake.stderr).contains("were turned over"), turned, "{}", text(&bake.stderr));
-        assert_eq!(text(&bake.stdout).contains("1 polygon turned over"), turned, "{}", text(&bake.stdout));
+        assert!(bake.status.success(), "{}", err(&bake));
+        assert_eq!(err(&bake).contains("were turned over"), turned, "{}", err(&bake));
+        assert_eq!(out(&bake).contains("1 polygon turned over"), turned, "{}", out(&bake));
         let info = umbrage(&["info", &scene]);
-        assert_eq!(text(&info.stdout).contains("1 polygon turned over"), turned, "{}", text(&info.stdout));
+        assert_eq!(out(&info).contains("1 polygon turned over"), turned, "{}", out(&info));
         let verify = umbrage(&["verify", &scene, &baked, "--max-error", "0.1", "--points", "200", "--paths", "1024"]);
-        assert!(verify.status.success(), "{}{}", text(&verify.stdout), text(&verify.stderr));
-        assert_eq!(text(&verify.stderr).contains("were turned over"), turned, "{}", text(&verify.stderr));
+        assert!(verify.status.success(), "{}{}", out(&verify), err(&verify));
+        assert_eq!(err(&verify).contains("were turned over"), turned, "{}", err(&verify));
     }
 }
 
@@ -62,6 +49,6 @@ fn a_bake_never_replaces_its_own_scene() {
     let [scene, output] = [scene, output].map(|path| path.display().to_string());
     let refused = umbrage(&["bake", &scene, "-o", &output, "--emit", "lamp=9"]);
     assert_eq!(refused.status.code(), Some(1));
-    assert!(text(&refused.stderr).contains("is the scene itself"), "{}", text(&refused.stderr));
+    assert!(err(&refused).contains("is the scene itself"), "{}", err(&refused));
     assert_eq!(fs::read(&scene).unwrap(), before);
 }

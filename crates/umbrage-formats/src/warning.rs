@@ -82,6 +82,12 @@ pub enum Warning {
         /// How many polygons.
         polygons: usize,
     },
+    /// Polygons of materials that transmit at least half of the light (`KHR_materials_transmission`): light passes through
+    /// them unchanged, and they are passed on as if they were blended.
+    GlassPassedOn {
+        /// How many polygons.
+        polygons: usize,
+    },
     /// Polygons of materials that are fully transparent, which block nothing: left out.
     TransparentLeftOut {
         /// How many polygons.
@@ -130,7 +136,8 @@ pub enum Warning {
         /// How many materials.
         materials: usize,
     },
-    /// Materials that let light through (MGF `td`, `ts`): taken as opaque.
+    /// Materials that let light through (MGF `td`, `ts`; glTF `KHR_materials_transmission`, less than half of it): taken as
+    /// opaque.
     TransmissionIgnored {
         /// How many materials.
         materials: usize,
@@ -208,6 +215,11 @@ impl fmt::Display for Warning {
             Self::BlendedPassedOn { polygons } => write!(
                 f,
                 "light passes through {} with alphaMode BLEND; they are shown in mean light",
+                count(*polygons, "polygon")
+            ),
+            Self::GlassPassedOn { polygons } => write!(
+                f,
+                "light passes unchanged through {} of glass (KHR_materials_transmission); they are shown in mean light",
                 count(*polygons, "polygon")
             ),
             Self::AnimationsIgnored { animations } => {
@@ -314,6 +326,12 @@ impl Unknown {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_message_names_the_extension() {
+        let glass = Warning::GlassPassedOn { polygons: 2 }.to_string();
+        assert!(glass.contains("2 polygons of glass (KHR_materials_transmission)"), "{glass}");
+    }
 
     #[test]
     fn a_message_counts() {

@@ -4,10 +4,10 @@ mod common;
 
 use common::{Build, polygons, scene_path};
 use glam::DVec3;
-use serde_json::json;
+use serde_json::{Value, json};
 use umbrage::id::SurfaceId;
 use umbrage::scene::cornell::cornell_box;
-use umbrage::scene::{LampKind, Rgb, Scene};
+use umbrage::scene::{Alpha, LampKind, Rgb, Scene};
 use umbrage_formats::{LampUnits, ReadOptions, UpAxis, Warning, read_scene, read_scene_bytes, read_scene_with};
 
 fn vector_area(corners: &[[f64; 3]]) -> DVec3 {
@@ -370,6 +370,41 @@ fn what_is_blended_blocks_nothing_and_what_is_masked_blocks_whole() {
 }
 
 #[test]
+fn glass_blocks_nothing_and_what_transmits_less_than_half_is_opaque() {
+    let transmits = |share: f64| json!({"KHR_materials_transmission": {"transmissionFactor": share}});
+    let with_volume = |mut extensions: Value| {
+        extensions["KHR_materials_volume"] = json!({"thicknessFactor": 0.01, "attenuationColor": [0.5, 1, 1]});
+        extensions
+    };
+    let glass = Some(Warning::GlassPassedOn { polygons: 1 });
+    let opaque = Some(Warning::TransmissionIgnored { materials: 1 });
+    for (extensions, alpha_mode, alpha, warning) in [
+        (transmits(1.0), "OPAQUE", Alpha::Blend { alpha: 0.0 }, glass.clone()),
+        (with_volume(transmits(0.75)), "OPAQUE", Alpha::Blend { alpha: 0.25 }, glass.clone()),
+        (transmits(0.5), "MASK", Alpha::Blend { alpha: 0.5 }, glass),
+        (with_volume(transmits(0.25)), "OPAQUE", Alpha::Opaque, opaque.clone()),
+        (transmits(0.25), "MASK", Alpha::Mask { alpha: 0.5, cutoff: 0.5 }, opaque),
+        (with_volume(json!({})), "OPAQUE", Alpha::Opaque, None),
+        (json!({"KHR_materials_transmission": {}}), "OPAQUE", Alpha::Opaque, None),
+        // What is blended as well has the alpha of that.
+        (transmits(1.0), "BLEND", Alpha::Blend { alpha: 0.5 }, Some(Warning::BlendedPassedOn { polygons: 1 })),
+    ] {
+        let mut build = Build::triangle();
+        let base = json!({"baseColorFactor": [1, 1, 1, 0.5]});
+        build.json["materials"] =
+            json!([{"alphaMode": alpha_mode, "pbrMetallicRoughness": base, "extensions": extensions}]);
+        build.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+        build.json["extensionsUsed"] = json!(["KHR_materials_transmission", "KHR_materials_volume"]);
+        let (scene, warnings) = build.read().unwrap();
+        let is_passed_on = matches!(alpha, Alpha::Blend { .. });
+        assert_eq!((scene.surfaces.len(), scene.see_through.len()), if is_passed_on { (0, 1) } else { (1, 0) });
+        assert_eq!(scene.materials.raw[0].look.alpha, alpha, "{extensions}");
+        let of_light = |w: &&Warning| !matches!(w, Warning::AlphaIgnored { .. } | Warning::ReflectanceCapped { .. });
+        assert_eq!(warnings.iter().filter(of_light).collect::<Vec<_>>(), warning.iter().collect::<Vec<_>>());
+    }
+}
+
+#[test]
 fn without_a_scene_all_roots_are_shown() {
     let mut build = Build::triangle();
     let json = build.json.as_object_mut().unwrap();
@@ -469,7 +504,7 @@ fn blenders_factor_is_told_where_it_matters() {
 
 #[test]
 fn bad_lamps_are_refused_by_place() {
-    let refused = |light: serde_json::Value| {
+    let refused = |light: Value| {
         let mut build = with_lamps();
         build.json["extensions"]["KHR_lights_punctual"]["lights"][0] = light;
         build.message()

@@ -174,6 +174,8 @@ pub struct Report {
     pub vertices: usize,
     /// Triangles of the baked mesh.
     pub triangles: usize,
+    /// Triangles flat as a needle that were taken out of it; what lies beside them closed the gap.
+    pub flat_triangles: usize,
     /// Estimated root mean square error of linear interpolation over the mean irradiance.
     pub error: f64,
     /// Iterations of the solution.
@@ -439,6 +441,7 @@ pub(crate) fn show(
         linking_s: clock.linking_s,
         vertices: shaded.mesh.vertex_count(),
         triangles: shaded.mesh.triangle_count(),
+        flat_triangles: shaded.flat_triangles,
         error: shaded.error,
         iterations: solution.iterations,
         residual: solution.residual,

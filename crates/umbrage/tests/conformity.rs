@@ -8,7 +8,7 @@ use proptest::test_runner::RngSeed;
 use umbrage::bake::{BakeSettings, bake};
 use umbrage::id::{MaterialId, NodeId};
 use umbrage::progress::Progress;
-use umbrage::scene::{Material, Node, Rgb, Scene, Surface};
+use umbrage::scene::{Lamp, LampKind, Material, Node, Rgb, Scene, Surface};
 
 type Polygon = Vec<DVec3>;
 
@@ -113,6 +113,44 @@ proptest! {
         let (inside, jumping) = common::jumps(&triangles);
         prop_assert!(5 * jumping <= inside, "{jumping} of {inside} edges inside a plane jump");
     }
+}
+
+/// A floor of three materials that meet in the tip of a needle, which shadows of a plate cross where it is narrower than the
+/// rounding of vertices.
+fn needle() -> Scene {
+    // Wider at its end than the weld distance, and narrower everywhere else than is told apart.
+    let (half_m, tip, end) = (2.0, DVec3::ZERO, 1.6e-5);
+    let at = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+    let mut scene = Scene::default();
+    let above = vec![at(-half_m, 0.0), tip, at(half_m, end), at(half_m, half_m), at(-half_m, half_m)];
+    let below: Vec<DVec3> = above.iter().rev().map(|p| DVec3::new(p.x, -p.y, 0.0)).collect();
+    let between = vec![tip, at(half_m, -end), at(half_m, end)];
+    for (name, reflectance, polygon) in [("above", 0.2, above), ("below", 0.4, below), ("between", 0.6, between)] {
+        common::build::add(&mut scene, Material::diffuse(name, Rgb::splat(reflectance)), &[polygon]);
+    }
+    let plate = common::build::quad(DVec3::new(0.1, 0.0, 1.0), DVec3::new(0.06, 0.02, 0.0), DVec3::new(-0.1, 0.3, 0.0));
+    common::build::add(&mut scene, Material::diffuse("plate", Rgb::splat(0.5)), &[plate]);
+    let sun = LampKind::Directional { direction: -DVec3::Z, irradiance: Rgb::splat(100.0) };
+    scene.lamps.push(Lamp { name: "sun".into(), kind: sun });
+    scene
+}
+
+#[test]
+fn a_needle_crossed_by_shadows_leaves_no_flat_triangle() {
+    let scene = needle();
+    let baked = bake(&scene, &BakeSettings::default(), Progress::silent()).unwrap();
+    assert!(baked.report.flat_triangles > 0, "nothing was flat: the scene proves nothing");
+    let triangles = common::lit_triangles(&baked.mesh);
+    let extent = common::extent(&triangles);
+    // Three roundings of `f32`.
+    let least_m = 1.7e-7 * extent;
+    for triangle in &triangles {
+        let longest_m = (0..3).map(|i| triangle.corners[i].distance(triangle.corners[(i + 1) % 3])).fold(0.0, f64::max);
+        assert!(2.0 * triangle.area() > least_m * longest_m, "{triangle:?}");
+    }
+    assert_eq!(common::t_vertices(&triangles, 1e-6 * extent), []);
+    let area: f64 = triangles.iter().map(common::Lit::area).sum();
+    assert!((area - area_of(&scene)).abs() < 20.0 * extent * least_m, "{area} of {} m2", area_of(&scene));
 }
 
 #[test]

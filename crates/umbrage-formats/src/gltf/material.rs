@@ -20,6 +20,17 @@ use crate::FormatError;
 
 /// What glTF gives a mask that says nothing.
 const DEFAULT_CUTOFF: f64 = 0.5;
+/// What transmits at least this share of the light blocks nothing.
+const GLASS: f64 = 0.5;
+
+/// Why a material blocks nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SeenThrough {
+    /// It is blended (`alphaMode` BLEND).
+    Blended,
+    /// It transmits most of the light (`KHR_materials_transmission`).
+    Glass,
+}
 
 /// A material of the file.
 #[derive(Debug)]
@@ -30,8 +41,8 @@ pub(super) struct GltfMaterial {
     pub(super) base: Option<BaseTexture>,
     /// The texture of its emission.
     pub(super) emission: Option<BaseTexture>,
-    /// Whether light passes through unchanged.
-    pub(super) is_see_through: bool,
+    /// Why light passes through unchanged, if it does.
+    pub(super) seen_through: Option<SeenThrough>,
 }
 
 impl GltfMaterial {
@@ -108,7 +119,7 @@ impl Materials {
             let first = Material { reflectance: self.cap, ..plain.clone() };
             self.free.push(Some(self.all.push_and_get_key(first)));
             self.capped.push(plain.reflectance.cmpgt(self.cap).any());
-            self.of_file.push(GltfMaterial { plain, base: None, emission: None, is_see_through: false });
+            self.of_file.push(GltfMaterial { plain, base: None, emission: None, seen_through: None });
             self.of_file.len() - 1
         })
     }
@@ -148,9 +159,16 @@ impl Materials {
     }
 }
 
-/// Whether a material blocks nothing: it is blended (`alphaMode` BLEND), and not opaque all the same. Exporters write BLEND
-/// for much that has neither an alpha below 1 nor a texture that could have one.
-fn is_see_through(item: &Item<'_>) -> Result<bool, FormatError> {
+/// The share of the light that a material transmits, by its factor alone: of its texture nothing is known here. What its
+/// volume swallows (`KHR_materials_volume`) is not counted.
+fn transmission(item: &Item<'_>) -> Result<f64, FormatError> {
+    let Some(extension) = item.extension("KHR_materials_transmission")? else { return Ok(0.0) };
+    Ok(extension.number("transmissionFactor")?.unwrap_or(0.0).clamp(0.0, 1.0))
+}
+
+/// Whether a material is blended (`alphaMode` BLEND), and not opaque all the same. Exporters write BLEND for much that has
+/// neither an alpha below 1 nor a texture that could have one.
+fn is_blended(item: &Item<'_>) -> Result<bool, FormatError> {
     if item.text("alphaMode")? != Some("BLEND") {
         return Ok(false);
     }
@@ -198,14 +216,22 @@ fn read(document: &Document, item: &Item<'_>, name: String, tally: &mut Tally) -
     if !radiance.is_finite() {
         return Err(item.bad("emissiveFactor", "is too large"));
     }
-    let is_see_through = is_see_through(item)?;
-    let alpha = match item.text("alphaMode")? {
-        Some("MASK") => {
+    let transmission = transmission(item)?;
+    let seen_through = if is_blended(item)? {
+        Some(SeenThrough::Blended)
+    } else {
+        (transmission >= GLASS).then_some(SeenThrough::Glass)
+    };
+    tally.opaque_glass += usize::from(transmission > 0.0 && seen_through.is_none());
+    let alpha = match (seen_through, item.text("alphaMode")?) {
+        (Some(SeenThrough::Blended), _) => Alpha::Blend { alpha },
+        // What is not transmitted is seen of it.
+        (Some(SeenThrough::Glass), _) => Alpha::Blend { alpha: 1.0 - transmission },
+        (None, Some("MASK")) => {
             let cutoff = item.number("alphaCutoff")?.unwrap_or(DEFAULT_CUTOFF).max(0.0);
             Alpha::Mask { alpha, cutoff }
         }
-        _ if is_see_through => Alpha::Blend { alpha },
-        _ => Alpha::Opaque,
+        (None, _) => Alpha::Opaque,
     };
     tally.masked_materials += usize::from(matches!(alpha, Alpha::Mask { .. }));
     let emission = (radiance != Rgb::ZERO)
@@ -213,7 +239,7 @@ fn read(document: &Document, item: &Item<'_>, name: String, tally: &mut Tally) -
         .flatten();
     let look = Look { texture: None, alpha, extras: item.json("extras") };
     let plain = Material { radiance, double_sided: item.flag("doubleSided")?, look, ..Material::diffuse(name, base) };
-    Ok(GltfMaterial { plain, base: texture, emission, is_see_through })
+    Ok(GltfMaterial { plain, base: texture, emission, seen_through })
 }
 
 /// A texture, unless something is wrong with it, or its image is only there in a format that is not read.

@@ -2,7 +2,8 @@
 //!
 //! Every node of the scene is kept. Every primitive with triangles becomes a [`Surface`] of its own, once for every node
 //! that shows its mesh, already in world space. Colours of vertices multiply the reflectance, as one colour for a primitive;
-//! what is blended (`alphaMode` BLEND) blocks nothing and is left out. Units stay as glTF has them: metres, +Y up, linear colours.
+//! what is blended (`alphaMode` BLEND), and glass, blocks nothing and is left out. Units stay as glTF has them: metres, +Y up,
+//! linear colours.
 
 use std::path::Path;
 
@@ -12,7 +13,7 @@ use umbrage::scene::{Node, Rgb, Scene, Surface};
 
 use super::document::{Document, List};
 use super::item::Item;
-use super::material::{Materials, Shown};
+use super::material::{Materials, SeenThrough, Shown};
 use super::node::{self, Placed};
 use super::primitive::Polygons;
 use super::tally::Tally;
@@ -22,7 +23,7 @@ use crate::beside::Folder;
 use crate::{FormatError, LampUnits, ReadOptions, Warning};
 
 /// Extensions that are read, that only concern what has a warning of its own, or that only add gloss to a surface, which is taken as diffuse anyway.
-const KNOWN_EXTENSIONS: [&str; 21] = [
+const KNOWN_EXTENSIONS: [&str; 23] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -37,7 +38,9 @@ const KNOWN_EXTENSIONS: [&str; 21] = [
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
+    "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_texture_basisu",
@@ -176,7 +179,7 @@ impl Reader<'_> {
                 None => self.materials.default(),
             };
             let (material, uvs) = self.material(number, (&primitive, &place), &polygons)?;
-            let see_through = self.materials.of_file[number].is_see_through;
+            let seen_through = self.materials.of_file[number].seen_through;
             let surface = Surface {
                 positions_m: polygons.positions_m,
                 uvs,
@@ -184,8 +187,12 @@ impl Reader<'_> {
                 polygons: polygons.triangles.iter().map(|triangle| triangle.to_vec()).collect(),
                 ..Surface::new(node, material)
             };
-            if see_through {
-                self.tally.blended_polygons += surface.polygons.len();
+            match seen_through {
+                Some(SeenThrough::Blended) => self.tally.blended_polygons += surface.polygons.len(),
+                Some(SeenThrough::Glass) => self.tally.glass_polygons += surface.polygons.len(),
+                None => {}
+            }
+            if seen_through.is_some() {
                 self.scene.see_through.push(surface);
             } else {
                 self.scene.surfaces.push(surface);

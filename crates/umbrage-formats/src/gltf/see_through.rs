@@ -1,4 +1,5 @@
-//! What light passes through (`alphaMode` BLEND): glass, curtains, leaves. It is in the output as it came, in mean light.
+//! What light passes through (`alphaMode` BLEND, `KHR_materials_transmission`): glass, curtains, leaves. It is in the output
+//! as it came, in mean light; glass is blended there.
 
 use glam::DVec3;
 use serde_json::{Value, json};

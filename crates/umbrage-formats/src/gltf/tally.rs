@@ -21,6 +21,10 @@ pub(super) struct Tally {
     pub(super) masked_materials: usize,
     /// Polygons of materials with `alphaMode` BLEND, which are passed on as they are.
     pub(super) blended_polygons: usize,
+    /// Polygons of materials that transmit most of the light, which are passed on as if they were blended.
+    pub(super) glass_polygons: usize,
+    /// Materials that transmit light, and are opaque here.
+    pub(super) opaque_glass: usize,
     pub(super) skinned_nodes: usize,
     pub(super) morphed_primitives: usize,
     /// Lamps whose unit is doubtful beside surfaces that emit.
@@ -68,6 +72,8 @@ impl Tally {
         warn(self.varying_colours, |primitives| Warning::VertexColoursAveraged { primitives });
         warn(self.masked_materials, |materials| Warning::AlphaIgnored { materials });
         warn(self.blended_polygons, |polygons| Warning::BlendedPassedOn { polygons });
+        warn(self.glass_polygons, |polygons| Warning::GlassPassedOn { polygons });
+        warn(self.opaque_glass, |materials| Warning::TransmissionIgnored { materials });
         warn(self.skinned_nodes, |nodes| Warning::SkinsAtRest { nodes });
         warn(self.morphed_primitives, |primitives| Warning::MorphTargetsAtRest { primitives });
         warn(self.blender_lamps, |lamps| Warning::LampsFromBlender { lamps });

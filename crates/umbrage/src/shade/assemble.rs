@@ -1,14 +1,15 @@
 //! The baked mesh from the triangulated patches: one value of irradiance for each group of corners.
 //!
 //! Before: every leaf of the mesh is a triangle. After: a [`BakedMesh`] in the order of patches; vertices are shared
-//! within a part by corners that have the same in all that a vertex has.
+//! within a part by corners that have the same in all that a vertex has. No triangle is flat as a needle.
 
 use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use super::corner_group::{self, Triangle};
+use super::corner_group;
 use super::field::{Field, Places, Values};
+use super::flat::{self, LitTriangle};
 use super::smooth;
 use super::{BakedMesh, BakedPart};
 use crate::id::{FaceId, SurfaceId, Table, VertexId};
@@ -22,7 +23,7 @@ use crate::visibility::ReceiverPoint;
 const GROUPS_A_REPORT: usize = 16;
 
 /// Assembles the triangles. Each group of corners has the value that refinement left at its vertex; where a contact passes
-/// through it, or nothing is known, the irradiance is evaluated.
+/// through it, or nothing is known, the irradiance is evaluated. Also returned is how many flat triangles were taken out.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.
@@ -34,7 +35,7 @@ pub(super) fn assemble(
     known: &Values,
     irradiance: &impl Field,
     progress: Progress<'_>,
-) -> Result<BakedMesh, Cancelled> {
+) -> Result<(BakedMesh, usize), Cancelled> {
     let triangles = corner_group::triangles(mesh);
     let (groups, group_of) = corner_group::corner_groups(prepared, mesh, &triangles);
     let values = groups
@@ -57,30 +58,27 @@ pub(super) fn assemble(
             Ok(irradiance.at(mesh, &point, patch))
         })
         .collect::<Result<Vec<Rgb>, Cancelled>>()?;
-    let values = smooth::smooth(prepared, mesh, &triangles, &groups, &group_of, &values);
-    Ok(parts(scene, prepared, mesh, &triangles, &group_of, &values))
+    let mut values = smooth::smooth(prepared, mesh, &triangles, &groups, &group_of, &values);
+    let lit = triangles.iter().zip(group_of);
+    let mut lit: Vec<LitTriangle> =
+        lit.map(|(t, values)| LitTriangle { face: t.face, vertices: t.vertices, values }).collect();
+    let flat = flat::take_out(&mut lit, &mut values, |v| mesh.vertex_m(v), prepared.tolerance.weld_m());
+    Ok((parts(scene, prepared, mesh, &lit, &values), flat))
 }
 
 /// A vertex of a part: position, normal, irradiance and texture coordinates.
 type Vertex = ([f32; 3], [f32; 3], [f32; 3], Option<[f32; 2]>);
 
 /// The parts of all surfaces that are baked. Corners with the same bits of all that a vertex has are one vertex.
-fn parts(
-    scene: &Scene,
-    prepared: &Prepared,
-    mesh: &Mesh,
-    triangles: &[Triangle],
-    group_of: &[[usize; 3]],
-    values: &[Rgb],
-) -> BakedMesh {
+fn parts(scene: &Scene, prepared: &Prepared, mesh: &Mesh, triangles: &[LitTriangle], values: &[Rgb]) -> BakedMesh {
     let mut parts: Table<SurfaceId, BakedPart> = scene.surfaces.keys().map(BakedPart::new).collect();
     let mut by_surface: Vec<usize> = (0..triangles.len()).collect();
     by_surface.retain(|&number| scene.surfaces[prepared.faces[triangles[number].face].surface].baked);
     by_surface.sort_by_key(|&number| (prepared.faces[triangles[number].face].surface, number));
-    let vertex = |face: FaceId, vertex: VertexId, group: usize| -> Vertex {
+    let vertex = |face: FaceId, vertex: VertexId, value: usize| -> Vertex {
         let at_m = mesh.vertex_m(vertex);
         let uv = prepared.faces[face].skin.and_then(|skin| prepared.skins[skin].uv(at_m));
-        let irradiance = values[group].max(Rgb::ZERO).as_vec3().to_array();
+        let irradiance = values[value].max(Rgb::ZERO).as_vec3().to_array();
         (
             at_m.as_vec3().to_array(),
             smooth::normal(prepared, face, at_m),
@@ -93,9 +91,9 @@ fn parts(
         let part = &mut parts[surface_of(of_surface[0])];
         let mut known: HashMap<[u32; 11], u32> = HashMap::new();
         for &number in of_surface {
-            let Triangle { face, vertices, .. } = triangles[number];
+            let LitTriangle { face, vertices, values } = triangles[number];
             let corners = [0, 1, 2].map(|k| {
-                let vertex = vertex(face, vertices[k], group_of[number][k]);
+                let vertex = vertex(face, vertices[k], values[k]);
                 *known.entry(bits(&vertex)).or_insert_with(|| {
                     let (position_m, normal, irradiance, uv) = vertex;
                     part.positions_m.push(position_m);

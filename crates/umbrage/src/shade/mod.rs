@@ -8,6 +8,7 @@ mod corner_group;
 mod crowd;
 mod element;
 mod field;
+mod flat;
 mod gathering;
 mod hemisphere;
 mod interpolated;

@@ -51,6 +51,8 @@ pub struct Shaded {
     pub mesh: BakedMesh,
     /// Estimated root mean square error of interpolation over the mean irradiance.
     pub error: f64,
+    /// Triangles flat as a needle that were taken out.
+    pub flat_triangles: usize,
 }
 
 /// Direct light exactly, plus indirect light from few points.
@@ -127,6 +129,6 @@ pub fn shade(
     for patch in mesh.triangulate() {
         tracing::warn!(?patch, "a patch thinner than rounding is not shown");
     }
-    let mesh = assemble(scene, prepared, mesh, &places, &values, &total, progress)?;
-    Ok(Shaded { mesh, error })
+    let (mesh, flat_triangles) = assemble(scene, prepared, mesh, &places, &values, &total, progress)?;
+    Ok(Shaded { mesh, error, flat_triangles })
 }
