@@ -130,7 +130,7 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     let limits = Arc::new(Limits::new(begin, args.time_limit, args.memory_limit)?);
     let wishes = Wishes { early: args.progressive, limits: Arc::clone(&limits) };
     let write = |step: &Step| write(&scene, step, args.exposure, &args.output);
-    let asked = args.method.settings();
+    let asked = args.method.settings(scene.polygon_count());
     let mut best = None;
     let reuse = args.reuse.clone().map(Reuse::new);
     let bake = {
@@ -166,7 +166,12 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     if let Some(guessed) = summary::guessed(&step.bake.report.prepare) {
         output::warning(&format!("{}: {guessed}", args.scene.display()));
     }
-    let coarser = why_coarser.map(|why| format!("{}: {why}", step.settings.shade.tolerance));
+    let as_large = || {
+        let is_coarser = asked.shade.tolerance > BakeSettings::default().shade.tolerance;
+        (is_coarser && !args.method.has_tolerance())
+            .then(|| "for so many polygons; --tolerance asks for less".to_owned())
+    };
+    let coarser = why_coarser.or_else(as_large).map(|why| format!("{}: {why}", step.settings.shade.tolerance));
     let summary = summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, begin.elapsed(), coarser);
     output.say(&format!("{summary}Wrote {} ({})", args.output.display(), summary::bytes(written.bytes)))?;
     reuse.map_or(Ok(()), |reuse| reuse.finish(output))

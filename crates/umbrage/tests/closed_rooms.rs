@@ -150,3 +150,38 @@ fn wards_room_is_right_at_all_ten_points() {
     println!("Ward's room: {errors:+.4?}");
     assert!(errors.iter().all(|error| error.abs() <= 5e-3), "{errors:+.4?}");
 }
+
+/// A room with so many boxes in it that light is gathered along rays; all reflects a half, and so does the lamp. Also what it gives.
+fn room_of_boxes() -> (Scene, f64) {
+    let grey = || Material::diffuse("grey", Rgb::splat(0.5));
+    let mut scene = Scene::default();
+    add(&mut scene, grey(), &room_faces(DVec3::ZERO, DVec3::new(6.0, 5.0, 3.0)));
+    for (i, j) in (0..12).flat_map(|i| (0..9).map(move |j| (f64::from(i), f64::from(j)))) {
+        let low = DVec3::new(0.2 + 0.48 * i, 0.2 + 0.52 * j, 0.3 + 0.07 * ((5.0 * i + 7.0 * j) % 11.0));
+        add(&mut scene, grey(), &box_faces(low, low + DVec3::new(0.2, 0.3, 0.25)));
+    }
+    let lamp = Material { reflectance: Rgb::splat(0.5), ..Material::emitting("lamp", Rgb::splat(10.0 / PI)) };
+    add(&mut scene, lamp, &box_faces(DVec3::new(2.5, 2.0, 2.4), DVec3::new(3.5, 3.0, 2.5)));
+    (scene, 10.0 * 2.4)
+}
+
+#[test]
+fn light_along_rays_is_absorbed_whole_and_the_same_by_one_thread_or_three() {
+    let (scene, given_w) = room_of_boxes();
+    let default = BakeSettings::default();
+    let settings = BakeSettings { shade: ShadeSettings { tolerance: 0.1, ..default.shade }, ..default };
+    let bakes = [1, 3].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| bake(&scene, &settings, Progress::silent()).unwrap())
+    });
+    assert!(bakes[0].mesh == bakes[1].mesh, "threads change the light");
+    assert!(bakes[0].report.rays.is_some() && bakes[0].report.links == 0);
+    let triangles = common::lit_triangles(&bakes[0].mesh);
+    let all: Vec<&Lit> = triangles.iter().collect();
+    let area_m2: f64 = all.iter().map(|t| t.area()).sum();
+    let absorbed = 0.5 * mean(&all, |e| e) * area_m2 / given_w;
+    println!("along {:?} rays: {absorbed:.4} of what is given", bakes[0].report.rays);
+    // Straight lines between vertices run over the hollows of light beside edges: at this tolerance by a hundredth or two.
+    assert!((absorbed - 1.0).abs() < 0.03, "{absorbed}");
+    assert!(bakes[0].report.energy.error().abs() < 0.01, "{:?}", bakes[0].report.energy);
+}

@@ -89,6 +89,11 @@ impl EdgeTrees {
         }
     }
 
+    /// Number of leaves of an edge.
+    pub fn leaf_count(&self, edge: EdgeId) -> usize {
+        self.edges[edge].halves.map_or(1, |halves| halves.into_iter().map(|half| self.leaf_count(half)).sum())
+    }
+
     /// Cuts a side at `point`, a boundary point on it, into the runs before and after, each of as few edges as
     /// possible. At an end of the side one of them is empty.
     pub(super) fn cut_side(&self, side: &[DirectedEdge], point: VertexId) -> (Side, Side) {

@@ -243,6 +243,11 @@ impl Mesh {
         points
     }
 
+    /// Number of these.
+    pub fn boundary_count(&self, patch: PatchId) -> usize {
+        self.patches[patch].sides.iter().flatten().map(|edge| self.edges.leaf_count(edge.edge)).sum()
+    }
+
     /// The point split-hints of a patch: boundary points that it did not make.
     pub fn point_hints(&self, patch: PatchId) -> Vec<VertexId> {
         let own: Vec<VertexId> =

@@ -7,8 +7,6 @@
 //! values all run below it. A vertex that is shifted by the mean bulge of the triangles around it leaves less than half of
 //! the error, and no bias; true darkness stays dark.
 
-use rayon::prelude::*;
-
 use super::field::{Field, Places, Request, Values};
 use crate::id::{PatchId, VertexId};
 use crate::mesh::{BoundaryPoint, Mesh};
@@ -127,6 +125,16 @@ fn parabola([p, q, r]: [f64; 3], bulges: &[Rgb; 3]) -> Rgb {
 }
 
 impl Element {
+    /// Numbers of the values at its corners.
+    pub(super) fn corners(&self) -> [u32; 3] {
+        self.corners
+    }
+
+    /// Mean of how far the field departs from straight lines in the middles of its sides.
+    pub(super) fn bulge(&self) -> Rgb {
+        self.bulges.into_iter().sum::<Rgb>() / 3.0
+    }
+
     /// The vertices at its corners, and the values there and in the middle of each side, from each corner to the next.
     pub(super) fn parabola(&self, values: &Values) -> ([VertexId; 3], [Rgb; 3], [Rgb; 3]) {
         let at = self.corners.map(|corner| values.as_slice()[corner as usize]);
@@ -161,25 +169,6 @@ impl Element {
         let inside = self.inside - parabola(PROBE, &self.bulges);
         ((inside * inside).max(self.between) - Rgb::splat(BY_CHANCE * f64::from(self.variance))).max(Rgb::ZERO)
     }
-}
-
-/// What each value is shifted by to be shown: the mean bulge of the elements around it, and at most itself: what is dark
-/// stays dark, and nothing next to darkness is raised.
-pub(super) fn shifts<'a>(elements: impl Iterator<Item = &'a Element>, values: &Values) -> Vec<Rgb> {
-    let mut sums = vec![(Rgb::ZERO, 0.0); values.as_slice().len()];
-    for element in elements {
-        let bulge = element.bulges.into_iter().sum::<Rgb>() / 3.0;
-        for corner in element.corners {
-            let (sum, area_m2) = &mut sums[corner as usize];
-            *sum += element.area_m2 * bulge;
-            *area_m2 += element.area_m2;
-        }
-    }
-    let shift = |(&(sum, area_m2), &value): (&(Rgb, f64), &Rgb)| {
-        let mean = if area_m2 > 0.0 { sum / area_m2 } else { Rgb::ZERO };
-        mean.clamp(-value, value)
-    };
-    sums.par_iter().zip(values.as_slice()).map(shift).collect()
 }
 
 #[cfg(test)]

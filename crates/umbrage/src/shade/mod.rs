@@ -7,6 +7,7 @@ mod bounced;
 mod corner_group;
 mod crowd;
 mod element;
+mod errors;
 mod field;
 mod flat;
 mod gathering;

@@ -11,7 +11,8 @@
 
 use rayon::prelude::*;
 
-use super::element::{Element, Outlined, shifts};
+use super::element::{Element, Outlined};
+use super::errors::Errors;
 use super::field::{Field, Places, Values};
 use crate::id::PatchId;
 use crate::mesh::Mesh;
@@ -78,15 +79,18 @@ pub(super) fn refine(
     progress: Progress<'_>,
 ) -> Result<Refined, Cancelled> {
     let mut refined = Refined { values: known, elements: Vec::new(), shifts: Vec::new(), error: 0.0 };
+    let mut errors = Errors::new(settings.interpolation);
     // Boundary points that each patch had when it was looked at.
     let mut points_of: Vec<Option<usize>> = Vec::new();
+    // Once the mean error is small enough, rounds tell what changed alone; at the end all is told once more.
+    let (mut tells_all, mut is_coarse, mut area_m2) = (true, true, 0.0);
     for round in 0..MOST_ROUNDS {
         points_of.resize(mesh.patch_count(), None);
         refined.elements.resize(mesh.patch_count(), Vec::new());
         let leaves: Vec<PatchId> = mesh.leaves().filter(|&leaf| receives(mesh, leaf)).collect();
         let large_m2 = LARGE_OF_ALL * leaves.iter().map(|&leaf| mesh.patch(leaf).area_m2).sum::<f64>();
         // With more points the triangles are others.
-        let is_stale = |leaf: PatchId| points_of[leaf.index()].is_none_or(|points| points != mesh.boundary(leaf).len());
+        let is_stale = |leaf: PatchId| points_of[leaf.index()].is_none_or(|points| points != mesh.boundary_count(leaf));
         let stale: Vec<Outlined> =
             leaves.par_iter().filter(|leaf| is_stale(**leaf)).map(|&leaf| Outlined::of(mesh, leaf)).collect();
         let requests = stale.par_iter().flat_map_iter(|leaf| leaf.requests(mesh, places)).collect();
@@ -100,61 +104,66 @@ pub(super) fn refine(
         let fresh: Vec<Vec<Element>> = fresh.collect::<Result<_, Cancelled>>()?;
         for (leaf, elements) in stale.iter().zip(fresh) {
             points_of[leaf.patch.index()] = Some(leaf.point_count());
-            refined.elements[leaf.patch.index()] = elements;
+            let before = std::mem::replace(&mut refined.elements[leaf.patch.index()], elements);
+            errors.replace(&before, &refined.elements[leaf.patch.index()]);
         }
-        let elements_of = |leaf: PatchId| refined.elements[leaf.index()].iter();
-        refined.shifts = match settings.interpolation {
-            Interpolation::Linear => shifts(leaves.iter().flat_map(|&leaf| elements_of(leaf)), &refined.values),
-            Interpolation::Quadratic => Vec::new(),
-        };
-        let squared = |element: &Element| match settings.interpolation {
-            Interpolation::Linear => element.linear_error_squared(&refined.shifts),
-            Interpolation::Quadratic => element.quadratic_error_squared(),
-        };
-        let integral = |leaf: PatchId| {
-            elements_of(leaf).map(|element| element.area_m2 * squared(element).element_sum() / 3.0).sum::<f64>()
-        };
-        let errors: Vec<(PatchId, f64)> = leaves.par_iter().map(|&leaf| (leaf, integral(leaf))).collect();
-        let total: f64 = errors.iter().map(|(_, squared)| squared).sum();
-        let area_m2: f64 = leaves.iter().flat_map(|&leaf| elements_of(leaf)).map(|element| element.area_m2).sum();
+        let changed: Vec<PatchId> = stale.iter().map(|leaf| leaf.patch).collect();
+        if tells_all {
+            area_m2 =
+                leaves.iter().flat_map(|leaf| &refined.elements[leaf.index()]).map(|element| element.area_m2).sum();
+            errors.tell_all(&leaves, &refined.elements, &refined.values);
+        } else {
+            let told = if is_coarse { &leaves } else { &changed };
+            errors.tell(told, &refined.elements, &refined.values);
+        }
+        let total = errors.total(&leaves);
         if total <= 0.0 || settings.mean <= 0.0 {
             refined.error = 0.0;
             break;
         }
         refined.error = (total / area_m2).sqrt() / settings.mean;
-        let triangles = leaves.iter().flat_map(|&leaf| elements_of(leaf)).count();
-        let points = refined.values.as_slice().len();
+        let (triangles, points) = (errors.triangles(), refined.values.as_slice().len());
         tracing::debug!(leaves = leaves.len(), triangles, points, error = refined.error, "refined");
         let target = (settings.tolerance * settings.mean).powi(2) * area_m2;
         let errs_locally = |leaf: PatchId| {
             mesh.patch(leaf).area_m2 > LEAST_OF_ALL * area_m2
-                && elements_of(leaf).any(|element| {
+                && refined.elements[leaf.index()].iter().any(|element| {
                     let (of_own, least) = (OWN_TOLERANCES * settings.tolerance, settings.tolerance * settings.mean);
-                    element.errs_locally(squared(element), &refined.values, of_own, least)
+                    element.errs_locally(errors.of(element), &refined.values, of_own, least)
                 })
         };
         // Where triangles are few, the mean error comes first.
         let room = settings.max_triangles.saturating_sub(triangles);
-        let mut marked: Vec<PatchId> = if total > target {
-            worst(errors, total, target, room)
+        is_coarse = total > target;
+        let mut marked: Vec<PatchId> = if is_coarse {
+            worst(errors.of_leaves(&leaves), total, target, room)
         } else {
-            let mut marked: Vec<PatchId> = leaves.par_iter().copied().filter(|&leaf| errs_locally(leaf)).collect();
+            let looked_at = if tells_all { &leaves } else { &changed };
+            let mut marked: Vec<PatchId> = looked_at.par_iter().copied().filter(|&leaf| errs_locally(leaf)).collect();
             marked.truncate(room);
             marked
         };
         marked.sort_unstable();
         // What is split must be looked at: the last round does not.
-        let last = round + 1 == MOST_ROUNDS || room == 0;
-        if last || marked.into_iter().filter(|&leaf| mesh.split(leaf)).count() == 0 {
+        if round + 1 == MOST_ROUNDS || room == 0 {
             break;
         }
+        marked.retain(|&leaf| mesh.split(leaf));
+        for &leaf in &marked {
+            errors.replace(&std::mem::take(&mut refined.elements[leaf.index()]), &[]);
+        }
+        if marked.is_empty() && tells_all {
+            break;
+        }
+        tells_all = marked.is_empty();
     }
+    refined.shifts = errors.into_shifts();
     Ok(refined)
 }
 
 /// The leaves that make up a share of the squared error, and no more than are needed for the target.
 pub(super) fn worst(mut errors: Vec<(PatchId, f64)>, total: f64, target: f64, room: usize) -> Vec<PatchId> {
-    errors.sort_by(|(p, first), (q, second)| second.total_cmp(first).then(p.cmp(q)));
+    errors.par_sort_unstable_by(|(p, first), (q, second)| second.total_cmp(first).then(p.cmp(q)));
     let enough = (SHARE_A_ROUND * total).min(total - 0.5 * target);
     let least = (LEAST_SHARE_OF_LEAVES * errors.len() as f64) as usize;
     let mut marked = Vec::new();

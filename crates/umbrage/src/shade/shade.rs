@@ -29,6 +29,10 @@ const INDIRECT_SHARE: f64 = 0.3;
 /// light itself.
 const LINEAR_SHARE: f64 = 0.5;
 
+/// Up to so many polygons the default tolerance is the one of a room; with more it grows in proportion, up to the greatest.
+const POLYGONS_OF_ROOM: usize = 5_000;
+const GREATEST_DEFAULT: f64 = 0.1;
+
 /// How finely light is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadeSettings {
@@ -36,6 +40,17 @@ pub struct ShadeSettings {
     pub tolerance: f64,
     /// About so many triangles are made at most.
     pub max_triangles: usize,
+}
+
+impl ShadeSettings {
+    /// The tolerance that suits a scene of so many polygons, where no other is asked for: each of them is a smaller part of what is
+    /// seen, and has its triangles all the same.
+    pub fn default_tolerance(polygons: usize) -> f64 {
+        let times = (polygons as f64 / POLYGONS_OF_ROOM as f64).max(1.0);
+        // A number that one can say.
+        let rounded = (1e3 * times * Self::default().tolerance).round() / 1e3;
+        rounded.min(GREATEST_DEFAULT)
+    }
 }
 
 impl Default for ShadeSettings {
