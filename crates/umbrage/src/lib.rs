@@ -31,6 +31,8 @@ pub mod solve;
 
 pub mod shade;
 
+mod settings;
+
 pub mod bake;
 
 pub mod rebake;

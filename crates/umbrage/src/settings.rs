@@ -1,0 +1,123 @@
+//! How a scene is baked: what a caller may ask for, and what follows from the tolerance where nothing is asked.
+
+use crate::geometry::polygon;
+use crate::mesh::{MeshSettings, SplitScore};
+use crate::prepare::{PrepareSettings, Prepared};
+use crate::shade::ShadeSettings;
+use crate::solve::SolveSettings;
+use crate::transport::{FormFactorOracle, OracleKind};
+
+/// `Fmax` at the default tolerance.
+const FMAX: f64 = 0.04;
+/// Where no smallest area is given, this share of the area of all faces at the default tolerance: 1,500 patches if all were
+/// as small.
+const MIN_AREA_OF_TOTAL: f64 = 7e-4;
+
+/// About what one ray of many errs of the mean irradiance, root mean square.
+const ONE_RAY_ERRS: f64 = 0.25;
+/// The share of the tolerance that rays may err.
+const RAYS_OF_TOLERANCE: f64 = 0.25;
+/// No fewer rays, so that bright spots are not missed.
+const LEAST_RAYS: usize = 128;
+/// To follow a ray takes about as long as to look at so many faces.
+const FACES_A_RAY: usize = 4;
+
+/// How a scene is baked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BakeSettings {
+    /// Fmax: pairs of patches with a greater form factor estimate are subdivided; `None`: as the tolerance asks.
+    pub max_form_factor: Option<f64>,
+    /// A patch smaller than this is not split for its form factor, in square metres; `None`: a share of the scene, as the
+    /// tolerance asks.
+    pub min_area_m2: Option<f64>,
+    /// What decides which pairs of patches are subdivided.
+    pub oracle: OracleKind,
+    /// What `point_split` minimises.
+    pub score: SplitScore,
+    /// Whether badly shaped patches get point split-hints.
+    pub mend_bad_shapes: bool,
+    /// How faces are made.
+    pub prepare: PrepareSettings,
+    /// Whether shadow boundaries are calculated and cut into the mesh.
+    pub discontinuities: bool,
+    /// d-segments that change irradiance by less than this share of the tolerance are left out; 0 keeps all.
+    pub weak_of_tolerance: f64,
+    /// Whether those of what reflects much are calculated, too.
+    pub secondary_sources: bool,
+    /// When the iteration ends.
+    pub solve: SolveSettings,
+    /// How finely light is shown.
+    pub shade: ShadeSettings,
+}
+
+impl Default for BakeSettings {
+    fn default() -> Self {
+        Self {
+            max_form_factor: None,
+            min_area_m2: None,
+            oracle: OracleKind::default(),
+            score: SplitScore::default(),
+            mend_bad_shapes: true,
+            prepare: PrepareSettings::default(),
+            discontinuities: true,
+            weak_of_tolerance: 1.0,
+            secondary_sources: true,
+            solve: SolveSettings::default(),
+            shade: ShadeSettings::default(),
+        }
+    }
+}
+
+impl BakeSettings {
+    /// d-segments weaker than this share of the mean irradiance are not looked at.
+    pub(crate) fn weak_share(&self) -> f64 {
+        if self.shade.tolerance.is_finite() { self.weak_of_tolerance * self.shade.tolerance } else { 0.0 }
+    }
+
+    /// `Fmax`, given or as the tolerance asks.
+    pub fn fmax(&self) -> f64 {
+        self.max_form_factor.unwrap_or_else(|| FMAX * self.coarseness())
+    }
+
+    /// How much coarser the hierarchy may be than at the default tolerance: what the light itself errs goes nearly with
+    /// `Fmax`, but is only a part of the error.
+    fn coarseness(&self) -> f64 {
+        let tolerance = self.shade.tolerance;
+        if tolerance.is_finite() {
+            (tolerance / ShadeSettings::default().tolerance).sqrt().clamp(0.1, 3.0)
+        } else {
+            1.0
+        }
+    }
+
+    /// How many times more the light itself may err than at the default tolerance, where more is asked for.
+    pub(crate) fn coarser_light(&self) -> f64 {
+        self.coarseness().max(1.0)
+    }
+
+    /// Along how many rays light is gathered in a large scene, so that what they err is a share of the tolerance; `None` where looking
+    /// at each face is better.
+    pub(crate) fn rays(&self, prepared: &Prepared) -> Option<usize> {
+        let enough = (ONE_RAY_ERRS / (RAYS_OF_TOLERANCE * self.shade.tolerance)).powi(2).ceil() as usize;
+        let rays = enough.max(LEAST_RAYS);
+        (self.shade.tolerance.is_finite() && prepared.faces.len() / FACES_A_RAY >= rays).then_some(rays)
+    }
+
+    pub(crate) fn mesh(&self) -> MeshSettings {
+        MeshSettings { score: self.score, mend_bad_shapes: self.mend_bad_shapes }
+    }
+
+    pub(crate) fn form_factor_oracle(&self, prepared: &Prepared) -> FormFactorOracle {
+        FormFactorOracle {
+            max_form_factor: self.fmax(),
+            min_area_m2: self
+                .min_area_m2
+                .unwrap_or_else(|| MIN_AREA_OF_TOTAL * self.coarseness() * total_area_m2(prepared)),
+            coplanar_m: prepared.tolerance.coplanar_m(),
+        }
+    }
+}
+
+fn total_area_m2(prepared: &Prepared) -> f64 {
+    prepared.faces.keys().map(|face| polygon::area_m2(&prepared.polygon_m(face))).sum()
+}
