@@ -24,7 +24,7 @@ use crate::transport::DirectLight;
 use crate::visibility::{AtPoints, ReceiverPoint};
 
 /// The share of the tolerance that interpolation of indirect light may take.
-const INDIRECT_SHARE: f64 = 0.45;
+const INDIRECT_SHARE: f64 = 0.3;
 /// The share of the tolerance that linear interpolation of all light may take: what is left is for the errors of the
 /// light itself.
 const LINEAR_SHARE: f64 = 0.5;
