@@ -6,7 +6,8 @@
 //!
 //! Two steps, each of which keeps all triangles around whole, so that no T-vertex is made:
 //! 1. Vertices that an edge much shorter than the weld distance joins become one: the later one goes.
-//! 2. A triangle with a corner `r` on its longest edge, but for rounding, goes. All others along that edge are cut at `r`:
+//! 2. A triangle with a corner `r` on its longest edge, but for rounding, goes; so does one no larger than a point. All
+//!    others along that edge are cut at `r`:
 //!
 //! ```text
 //!     p ------- r ------- q           p ------- r ------- q
@@ -16,7 +17,8 @@
 //! ```
 //!
 //! The longest edge first, so that the two sides of a sliver close from its wide end; and only where no part is as low as
-//! what goes, or turned over, so that two of them do not hand a vertex to and fro. What cannot go that way stays.
+//! what goes, or turned over, so that two of them do not hand a vertex to and fro. What cannot go that way stays. Both
+//! steps are repeated: a cut may make a short edge, and either may make a flat triangle.
 //!
 //! Holds after: edges are shared as they were; nothing moved by more than half the weld distance.
 
@@ -35,6 +37,9 @@ const MOST_ROUNDS: usize = 16;
 const NEAR_OF_WELD: f64 = 0.5;
 /// A triangle less high than this share of the weld distance is flat: three roundings of `f32`.
 const FLAT_OF_WELD: f64 = 0.06;
+/// So is one of less area than the square of this share: it would fit in what counts as one point. It is less high than
+/// half the weld distance, whatever its shape.
+const POINT_OF_WELD: f64 = 0.35;
 
 /// A triangle as it is shown, with the numbers of the values at its corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,29 +69,36 @@ pub(super) fn take_out(
     at_m: impl Fn(VertexId) -> DVec3,
     weld_m: f64,
 ) -> usize {
-    let flat_m = FLAT_OF_WELD * weld_m;
-    let before = triangles.len();
-    join_near(triangles, &at_m, NEAR_OF_WELD * weld_m, flat_m);
-    let mut count = before - triangles.len();
+    let mut count = 0;
+    let mut stays = BTreeSet::new();
     for _ in 0..MOST_ROUNDS {
+        // Anew in each round: a cut joins a corner to the vertices across, and one of them may be as near as that.
+        let joined = join_near(triangles, &at_m, weld_m, &mut stays);
         let flat = (0..triangles.len()).filter_map(|number| {
             let shape = Shape::of(triangles[number].vertices.map(&at_m));
-            (shape.height_m < flat_m).then_some((number, shape))
+            shape.is_flat(weld_m).then_some((number, shape))
         });
         let mut flat: Vec<(usize, Shape)> = flat.collect();
         flat.sort_by(|(m, p), (n, q)| q.longest_m.total_cmp(&p.longest_m).then(m.cmp(n)));
-        let gone = Round::new(triangles, values, &flat).close(&flat, &at_m);
-        if gone == 0 {
+        let closed = Round::new(triangles, values, &flat).close(&flat, &at_m);
+        if joined + closed == 0 {
             break;
         }
-        count += gone;
+        count += joined + closed;
     }
     count
 }
 
-/// Makes one of vertices that a short edge joins. The later vertex goes, and none goes to one that went itself, so that a
-/// chain does not draw together; none goes where that would turn a triangle over that is not flat then.
-fn join_near(triangles: &mut Vec<LitTriangle>, at_m: &impl Fn(VertexId) -> DVec3, near_m: f64, flat_m: f64) {
+/// Makes one of vertices that a short edge joins; returns how many triangles that took out. The later vertex goes, and none
+/// to which another went, in this round or one before, so that a chain does not draw together; none goes where that would
+/// turn a triangle over that is not flat then.
+fn join_near(
+    triangles: &mut Vec<LitTriangle>,
+    at_m: &impl Fn(VertexId) -> DVec3,
+    weld_m: f64,
+    stays: &mut BTreeSet<VertexId>,
+) -> usize {
+    let (before, near_m) = (triangles.len(), NEAR_OF_WELD * weld_m);
     let sides = triangles.iter().flat_map(|t| (0..3).map(|i| t.side(i)));
     let short: BTreeSet<[VertexId; 2]> = sides.filter(|&[a, b]| at_m(a).distance(at_m(b)) < near_m).collect();
     let ends: BTreeSet<VertexId> = short.iter().flatten().copied().collect();
@@ -94,7 +106,6 @@ fn join_near(triangles: &mut Vec<LitTriangle>, at_m: &impl Fn(VertexId) -> DVec3
     for (number, triangle) in triangles.iter().enumerate() {
         triangle.vertices.iter().filter(|v| ends.contains(v)).for_each(|&v| around.entry(v).or_default().push(number));
     }
-    let mut stays: BTreeSet<VertexId> = BTreeSet::new();
     let mut went: BTreeSet<VertexId> = BTreeSet::new();
     for [earlier, later] in short {
         let of_later = around.get(&later).map_or(&[][..], Vec::as_slice);
@@ -102,7 +113,7 @@ fn join_near(triangles: &mut Vec<LitTriangle>, at_m: &impl Fn(VertexId) -> DVec3
         let keeps = |&number: &usize| {
             let (old, new) = (triangles[number].vertices.map(at_m), moved(number).map(at_m));
             let new_shape = Shape::of(new);
-            new_shape.height_m < flat_m || new_shape.doubled_m2.dot(Shape::of(old).doubled_m2) > 0.0
+            new_shape.is_flat(weld_m) || new_shape.doubled_m2.dot(Shape::of(old).doubled_m2) > 0.0
         };
         let free = !went.contains(&earlier) && !went.contains(&later) && !stays.contains(&later);
         if free && of_later.iter().all(keeps) {
@@ -115,6 +126,7 @@ fn join_near(triangles: &mut Vec<LitTriangle>, at_m: &impl Fn(VertexId) -> DVec3
         }
     }
     triangles.retain(|t| (0..3).all(|i| t.vertices[i] != t.vertices[(i + 1) % 3]));
+    before - triangles.len()
 }
 
 /// How a triangle is shaped.
@@ -137,6 +149,12 @@ impl Shape {
         let doubled_m2 = (b - a).cross(c - a);
         let height_m = if longest_m > 0.0 { doubled_m2.length() / longest_m } else { 0.0 };
         Self { longest, longest_m, height_m, doubled_m2 }
+    }
+
+    /// Whether a reader of the file would take it for a line or a point.
+    fn is_flat(&self, weld_m: f64) -> bool {
+        let point_m = POINT_OF_WELD * weld_m;
+        self.height_m < FLAT_OF_WELD * weld_m || 0.5 * self.doubled_m2.length() < point_m * point_m
     }
 }
 
@@ -297,7 +315,7 @@ mod tests {
         let (rim_before, area_before) = (rim(&all), area_m2(&all, at));
         let at_m = |v: VertexId| glam::DVec2::from(at[v.index()]).extend(0.0);
         assert!(take_out(&mut all, &mut values, at_m, WELD_M) > 0);
-        assert!(all.iter().all(|t| Shape::of(t.vertices.map(at_m)).height_m > FLAT_OF_WELD * WELD_M));
+        assert!(all.iter().all(|t| !Shape::of(t.vertices.map(at_m)).is_flat(WELD_M)));
         assert!((area_m2(&all, at) - area_before).abs() < WELD_M);
         assert_eq!(rim(&all), rim_before);
         all
@@ -368,5 +386,24 @@ mod tests {
         let left = taken_out(&of, &at);
         assert_eq!(left.len(), 5);
         assert!(left.iter().all(|t| !t.vertices.contains(&VertexId::from(2))));
+    }
+
+    #[test]
+    fn an_edge_that_a_cut_makes_short_is_joined_too() {
+        // The cut joins 2 to 3, which lies across the longest edge and nearer than vertices may be.
+        let at = [[0.0, 0.0], [2.0, 0.0], [1.0, TINY_M], [1.0, -0.4 * WELD_M], [1.0, 1.0], [1.0, -1.0]];
+        let left = taken_out(&[[0, 1, 2], [1, 0, 3], [0, 2, 4], [2, 1, 4], [0, 5, 3], [5, 1, 3]], &at);
+        assert_eq!(left, {
+            let mut four = triangles(&[[0, 2, 4], [2, 1, 4], [0, 5, 2], [5, 1, 2]]);
+            (four[2].values[2], four[3].values[2]) = (3, 3);
+            four
+        });
+    }
+
+    #[test]
+    fn a_triangle_no_larger_than_a_point_goes_though_it_is_not_low() {
+        let at = [[0.0, 0.0], [1.2e-3, 0.0], [0.6e-3, 0.15e-3], [0.6e-3, -1.0], [0.6e-3, 1.0]];
+        let left = taken_out(&[[0, 1, 2], [1, 0, 3], [0, 2, 4], [2, 1, 4]], &at);
+        assert_eq!(left, triangles(&[[1, 2, 3], [0, 2, 4], [2, 1, 4], [2, 0, 3]]));
     }
 }
