@@ -30,8 +30,8 @@ const LARGE_OF_ALL: f64 = 2e-3;
 pub(super) const OWN_TOLERANCES: f64 = 10.0;
 /// Leaves smaller than this share of all area may.
 pub(super) const LEAST_OF_ALL: f64 = 1e-7;
-/// No refinement needs more rounds: each halves the greatest errors at least.
-const MOST_ROUNDS: usize = 60;
+/// No refinement needs more rounds: each halves the greatest errors at least, and those at its end look at few leaves.
+const MOST_ROUNDS: usize = 100;
 
 /// How a field is interpolated over a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
