@@ -456,9 +456,10 @@ pub(crate) fn mesh_and_link(
     let form_factor = settings.form_factor_oracle(&prepared);
     let rays = settings.rays(&prepared);
     let brightness = match settings.oracle {
-        OracleKind::FormFactor => None,
-        OracleKind::Brightness if rays.is_some() => None,
-        OracleKind::Brightness => BrightnessOracle::new(form_factor, scene, &prepared, &visibility, &mesh),
+        OracleKind::Brightness if rays.is_none() => {
+            BrightnessOracle::new(form_factor, scene, &prepared, &visibility, &mesh)
+        }
+        _ => None,
     };
     let begin = Instant::now();
     let links = match brightness {
