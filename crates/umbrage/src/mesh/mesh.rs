@@ -398,7 +398,7 @@ mod tests {
     fn fig_1c_triangulation_anchors_the_hint() {
         let (mut mesh, neighbour) = neighbours();
         let hint = mesh.point_hints(neighbour)[0];
-        assert!(mesh.triangulate().is_empty());
+        mesh.triangulate();
         assert!(mesh.leaves().all(|leaf| mesh.boundary(leaf).len() == 3 && mesh.point_hints(leaf).is_empty()));
         let around_hint = |leaf: &PatchId| mesh.boundary(*leaf).iter().any(|point| point.vertex == hint);
         let on_the_right = mesh.leaves().filter(|&leaf| mesh.patch(leaf).face == FaceId::from(1)).filter(around_hint);
@@ -433,8 +433,8 @@ mod tests {
             }
             mesh.remove_d0_hints();
             prop_assert!(mesh.leaves().all(|leaf| !mesh.has_d0_hint(leaf)));
-            let stuck = mesh.triangulate();
-            prop_assert!(stuck.is_empty(), "{stuck:?}");
+            mesh.triangulate();
+            prop_assert!(mesh.leaves().all(|leaf| mesh.boundary(leaf).len() == 3));
             prop_assert_eq!(mesh.validate(), Ok(()));
             let area: f64 = mesh.leaves().map(|leaf| mesh.patch(leaf).area_m2).sum();
             prop_assert!((area - 2.0).abs() < 1e-5);

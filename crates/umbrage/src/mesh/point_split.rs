@@ -69,11 +69,18 @@ impl Outline {
         })
     }
 
-    /// The chord with the best score, by the numbers of its ends here. The first of equals wins, so that the choice
-    /// depends on nothing but the outline.
+    /// The chord with the best score, by the numbers of its ends here; one that leaves a neighbour of its ends on the wrong
+    /// side, as rounding of a long side makes them, only where there is no other. The first of equals wins, so that the
+    /// choice depends on nothing but the outline.
     fn best_chord(&self, score: SplitScore) -> Option<(usize, usize)> {
-        let scored = self.chords().map(|(i, j, chord)| (score.of(&chord), i, j));
+        let scored = self.chords().map(|(i, j, chord)| ((chord.least_sine < 0.0, score.of(&chord)), i, j));
         scored.reduce(|best, next| if next.0 < best.0 { next } else { best }).map(|(_, i, j)| (i, j))
+    }
+
+    /// The chord whose lesser part is the largest, though it have no area or be turned over.
+    fn most_even_chord(&self) -> Option<(usize, usize)> {
+        let lesser = self.pairs().map(|(i, j, chord)| (chord.areas_m2[0].min(chord.areas_m2[1]), i, j));
+        lesser.reduce(|best, next| if next.0 > best.0 { next } else { best }).map(|(_, i, j)| (i, j))
     }
 
     /// The two parts beside a chord.
@@ -101,27 +108,31 @@ impl Outline {
     }
 
     /// Sine of the lesser angle that a chord in `direction` makes with the boundary at point `i`; angles beyond a right
-    /// angle count as right.
+    /// angle count as right. Negative where the chord leaves the patch there.
     fn least_sine_at(&self, i: usize, direction: DVec2) -> f64 {
         let n = self.points.len();
         let chord = direction.normalize_or_zero();
-        [(i + 1) % n, (i + n - 1) % n]
+        [((i + 1) % n, 1.0), ((i + n - 1) % n, -1.0)]
             .into_iter()
-            .map(|neighbour| {
+            .map(|(neighbour, turn)| {
                 let along = (self.points[neighbour].at_m - self.points[i].at_m).normalize_or_zero();
-                if along.dot(chord) <= 0.0 { 1.0 } else { along.perp_dot(chord).abs() }
+                if along.dot(chord) <= 0.0 { 1.0 } else { turn * along.perp_dot(chord) }
             })
             .fold(1.0, f64::min)
     }
 
-    /// Every chord that may split the patch, with the numbers of its ends.
-    fn chords(&self) -> impl Iterator<Item = (usize, usize, Chord)> + '_ {
+    /// Every chord between two points, with their numbers.
+    fn pairs(&self) -> impl Iterator<Item = (usize, usize, Chord)> + '_ {
         let n = self.points.len();
-        let least_m2 = LEAST_SHARE * 0.5 * self.moments[n];
         (0..n)
             .flat_map(move |i| (i + 1..n).map(move |j| (i, j)))
             .filter_map(|(i, j)| self.chord(i, j).map(|chord| (i, j, chord)))
-            .filter(move |(_, _, chord)| chord.areas_m2.iter().all(|&area| area > least_m2))
+    }
+
+    /// Every chord that may split the patch.
+    fn chords(&self) -> impl Iterator<Item = (usize, usize, Chord)> + '_ {
+        let least_m2 = LEAST_SHARE * 0.5 * self.moments[self.points.len()];
+        self.pairs().filter(move |(_, _, chord)| chord.areas_m2.iter().all(|&area| area > least_m2))
     }
 }
 
@@ -159,22 +170,27 @@ impl Mesh {
     /// Splits every leaf that has more than three boundary points, until all are triangles without a point hint: the
     /// last step of `generate_mesh`.
     ///
-    /// Returns the leaves that could not be cut down because they are thinner than rounding.
-    pub fn triangulate(&mut self) -> Vec<PatchId> {
-        let mut stuck = Vec::new();
+    /// What is thinner than rounding is split, too, though a part have no area or be turned over: its neighbours cut its
+    /// edges, and a gap would be left.
+    pub fn triangulate(&mut self) {
         let mut open: Vec<PatchId> = self.leaves().collect();
         while let Some(patch) = open.pop() {
-            if self.boundary(patch).len() <= TRIANGLE {
-                continue;
-            }
-            if self.point_split(patch) {
+            if self.boundary(patch).len() > TRIANGLE {
+                if !self.point_split(patch) {
+                    self.hairline_split(patch);
+                }
                 open.extend(self.patch(patch).subpatches.into_iter().flatten());
-            } else {
-                stuck.push(patch);
             }
         }
-        stuck.sort_unstable();
-        stuck
+    }
+
+    /// Splits a leaf that is thinner than rounding.
+    fn hairline_split(&mut self, patch: PatchId) {
+        let boundary = self.boundary(patch);
+        let Some((i, j)) = Outline::of(self, patch, &boundary).most_even_chord() else {
+            unreachable!("{patch:?} has three sides and more than three points, of which two do not lie on one side")
+        };
+        self.split_between(patch, &boundary[i], &boundary[j], Cut::Points);
     }
 }
 
@@ -195,6 +211,42 @@ mod tests {
         // Two diagonals, and the hint with the two corners of the opposite side; never along a side.
         assert_eq!(edges.len(), 4);
         assert_eq!(edges.iter().filter(|ends| ends.iter().any(|end| end.vertex == hint)).count(), 2);
+    }
+
+    /// A mesh of one hairline with its leftmost corner at the origin, whose first side was bent there by a neighbour.
+    fn bent(corners: &[[f64; 2]], at: DVec2) -> Mesh {
+        let mut mesh = sample::mesh(&[corners.iter().copied().map(DVec2::from).collect()]);
+        let boundary = mesh.boundary(first());
+        let x_m = |point: &&BoundaryPoint| mesh.vertex_m(point.vertex).x;
+        let origin = *boundary.iter().min_by(|p, q| x_m(p).total_cmp(&x_m(q))).unwrap();
+        mesh.split_edge(origin.leaf.edge, mesh.vertex_m(origin.vertex) + at.extend(0.0));
+        mesh
+    }
+
+    /// Areas of its triangles, the least first.
+    fn triangles_m2(mesh: &mut Mesh) -> Vec<f64> {
+        mesh.triangulate();
+        assert_eq!(mesh.validate(), Ok(()));
+        assert!(mesh.leaves().all(|leaf| mesh.boundary(leaf).len() == TRIANGLE));
+        let mut areas_m2: Vec<f64> = mesh.leaves().map(|leaf| mesh.patch(leaf).area_m2).collect();
+        areas_m2.sort_by(f64::total_cmp);
+        areas_m2
+    }
+
+    #[test]
+    fn a_needle_narrower_than_its_side_is_bent_is_cut_into_triangles() {
+        let mut mesh = bent(&[[0.0, 0.0], [1.0, 0.0], [1.0, 4e-6]], DVec2::new(0.1, 1e-6));
+        assert!(!mesh.point_split(first()), "there is one chord, and it turns a part over");
+        let areas_m2 = triangles_m2(&mut mesh);
+        assert!(areas_m2.len() == 2 && areas_m2[0] < 0.0, "{areas_m2:?}");
+    }
+
+    #[test]
+    fn a_chord_that_a_neighbour_of_its_end_lies_beyond_is_taken_last() {
+        // The best score has the chord from the origin to the third corner, and the bend lies beyond that.
+        let mut mesh = bent(&[[0.0, 0.0], [1.0, 0.0], [0.94, 6e-6], [0.45, 8e-6]], DVec2::new(0.08, 1e-6));
+        let areas_m2 = triangles_m2(&mut mesh);
+        assert!(areas_m2.len() == 3 && areas_m2[0] > 0.0, "{areas_m2:?}");
     }
 
     #[test]
@@ -293,7 +345,7 @@ mod tests {
         fn triangulation_adds_no_vertex(corners in sample::convex(4)) {
             let count = corners.len();
             let mut mesh = sample::mesh(&[corners]);
-            prop_assert!(mesh.triangulate().is_empty());
+            mesh.triangulate();
             prop_assert_eq!(mesh.vertex_count(), count);
             prop_assert_eq!(mesh.leaves().count(), count - 2);
         }

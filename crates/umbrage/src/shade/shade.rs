@@ -141,9 +141,7 @@ pub fn shade(
     let Refined { mut values, shifts, error, .. } =
         refine(mesh, &places, &total, Values::default(), receives, whole, progress)?;
     values.shift(&shifts);
-    for patch in mesh.triangulate() {
-        tracing::warn!(?patch, "a patch thinner than rounding is not shown");
-    }
+    mesh.triangulate();
     let (mesh, flat_triangles) = assemble(scene, prepared, mesh, &places, &values, &total, progress)?;
     Ok(Shaded { mesh, error, flat_triangles })
 }
