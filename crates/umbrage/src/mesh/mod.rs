@@ -5,6 +5,7 @@ mod edge_split;
 mod edge_tree;
 #[expect(clippy::module_inception, reason = "the module's main type is named like the module")]
 mod mesh;
+mod outline;
 mod patch;
 mod point_split;
 #[cfg(test)]

@@ -3,138 +3,11 @@
 //! Boundary points are the patch's own corners and the point split-hints alike (Fig. 3). Before: a leaf with more than
 //! three boundary points. After: it is split, and there is no new vertex and no new hint.
 
-use glam::DVec2;
-
 use super::Mesh;
-use super::patch::{BoundaryPoint, Cut, sides_of};
-use super::score::{Chord, SplitScore};
+use super::outline::Outline;
+use super::patch::{BoundaryPoint, Cut};
 use super::split::TRIANGLE;
 use crate::id::PatchId;
-
-/// A part with less than this share of the patch's area is no part: rounding made it.
-const LEAST_SHARE: f64 = 1e-9;
-
-/// A boundary point of an outline: its number in the patch's boundary, its place, and the sides that it lies on.
-#[derive(Clone, Copy, Debug)]
-struct OutlinePoint {
-    number: usize,
-    at_m: DVec2,
-    sides: [usize; 2],
-}
-
-/// Boundary points of a patch, or of a part of one, in the frame of its face.
-struct Outline {
-    points: Vec<OutlinePoint>,
-    /// `moments[i]`: sum over `k < i` of the cross product of points `k` and `k + 1`.
-    moments: Vec<f64>,
-    /// Numbers of sides from here on are free.
-    next_side: usize,
-}
-
-impl Outline {
-    fn of(mesh: &Mesh, patch: PatchId, boundary: &[BoundaryPoint]) -> Self {
-        let frame = mesh.frame(mesh.patch(patch).face);
-        let centre = frame.to_2d(mesh.patch(patch).centroid_m);
-        let side_count = mesh.patch(patch).sides.len();
-        let point = |(number, p): (usize, &BoundaryPoint)| OutlinePoint {
-            number,
-            at_m: frame.to_2d(mesh.vertex_m(p.vertex)) - centre,
-            sides: sides_of(p, side_count),
-        };
-        Self::new(boundary.iter().enumerate().map(point).collect(), side_count)
-    }
-
-    fn new(points: Vec<OutlinePoint>, next_side: usize) -> Self {
-        let mut moments = vec![0.0];
-        for (i, point) in points.iter().enumerate() {
-            moments.push(moments[i] + point.at_m.perp_dot(points[(i + 1) % points.len()].at_m));
-        }
-        Self { points, moments, next_side }
-    }
-
-    /// The chord from point `i` to point `j > i`; `None` where both lie on one straight side.
-    fn chord(&self, i: usize, j: usize) -> Option<Chord> {
-        let (from, to) = (&self.points[i], &self.points[j]);
-        if from.sides.iter().any(|side| to.sides.contains(side)) {
-            return None;
-        }
-        let (p, q) = (from.at_m, to.at_m);
-        let whole_m2 = 0.5 * self.moments[self.points.len()];
-        let part_m2 = 0.5 * (self.moments[j] - self.moments[i] + q.perp_dot(p));
-        let length_m = p.distance(q);
-        Some(Chord {
-            areas_m2: [part_m2, whole_m2 - part_m2],
-            length_m,
-            least_sine: self.least_sine_at(i, q - p).min(self.least_sine_at(j, p - q)),
-        })
-    }
-
-    /// The chord with the best score, by the numbers of its ends here; one that leaves a neighbour of its ends on the wrong
-    /// side, as rounding of a long side makes them, only where there is no other. The first of equals wins, so that the
-    /// choice depends on nothing but the outline.
-    fn best_chord(&self, score: SplitScore) -> Option<(usize, usize)> {
-        let scored = self.chords().map(|(i, j, chord)| ((chord.least_sine < 0.0, score.of(&chord)), i, j));
-        scored.reduce(|best, next| if next.0 < best.0 { next } else { best }).map(|(_, i, j)| (i, j))
-    }
-
-    /// The chord whose lesser part is the largest, though it have no area or be turned over.
-    fn most_even_chord(&self) -> Option<(usize, usize)> {
-        let lesser = self.pairs().map(|(i, j, chord)| (chord.areas_m2[0].min(chord.areas_m2[1]), i, j));
-        lesser.reduce(|best, next| if next.0 > best.0 { next } else { best }).map(|(_, i, j)| (i, j))
-    }
-
-    /// The two parts beside a chord.
-    fn parts(&self, i: usize, j: usize) -> [Self; 2] {
-        let chord = self.next_side;
-        let part = |from: usize, to: usize| {
-            let n = self.points.len();
-            let count = (to + n - from) % n + 1;
-            let mut points: Vec<OutlinePoint> = (0..count).map(|k| self.points[(from + k) % n]).collect();
-            // The ends lie on the chord now, and on the one side of their own that is left of the part.
-            let after = self.side_after(from);
-            let before = self.side_after((to + n - 1) % n);
-            points[0].sides = [chord, after];
-            points[count - 1].sides = [before, chord];
-            Self::new(points, chord + 1)
-        };
-        [part(i, j), part(j, i)]
-    }
-
-    /// The side from a point to the next: the one that both lie on.
-    fn side_after(&self, i: usize) -> usize {
-        let next = self.points[(i + 1) % self.points.len()].sides;
-        let own = self.points[i].sides;
-        if next.contains(&own[1]) { own[1] } else { own[0] }
-    }
-
-    /// Sine of the lesser angle that a chord in `direction` makes with the boundary at point `i`; angles beyond a right
-    /// angle count as right. Negative where the chord leaves the patch there.
-    fn least_sine_at(&self, i: usize, direction: DVec2) -> f64 {
-        let n = self.points.len();
-        let chord = direction.normalize_or_zero();
-        [((i + 1) % n, 1.0), ((i + n - 1) % n, -1.0)]
-            .into_iter()
-            .map(|(neighbour, turn)| {
-                let along = (self.points[neighbour].at_m - self.points[i].at_m).normalize_or_zero();
-                if along.dot(chord) <= 0.0 { 1.0 } else { turn * along.perp_dot(chord) }
-            })
-            .fold(1.0, f64::min)
-    }
-
-    /// Every chord between two points, with their numbers.
-    fn pairs(&self) -> impl Iterator<Item = (usize, usize, Chord)> + '_ {
-        let n = self.points.len();
-        (0..n)
-            .flat_map(move |i| (i + 1..n).map(move |j| (i, j)))
-            .filter_map(|(i, j)| self.chord(i, j).map(|chord| (i, j, chord)))
-    }
-
-    /// Every chord that may split the patch.
-    fn chords(&self) -> impl Iterator<Item = (usize, usize, Chord)> + '_ {
-        let least_m2 = LEAST_SHARE * 0.5 * self.moments[self.points.len()];
-        self.pairs().filter(move |(_, _, chord)| chord.areas_m2.iter().all(|&area| area > least_m2))
-    }
-}
 
 impl Mesh {
     /// Splits a leaf by the chord with the best score. False where no chord leaves two parts with area.
@@ -196,10 +69,11 @@ impl Mesh {
 
 #[cfg(test)]
 mod tests {
-    use super::super::MeshSettings;
     use super::super::sample::{self, first, rectangle};
+    use super::super::{MeshSettings, SplitScore};
     use super::*;
     use crate::discontinuity::Degree;
+    use glam::DVec2;
     use proptest::prelude::*;
 
     #[test]
