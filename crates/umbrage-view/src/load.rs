@@ -17,6 +17,7 @@ use anyhow::{Context, anyhow};
 use umbrage::bake::{BakeSettings, Meshed, Report, bake_and_keep};
 use umbrage::progress::{Progress, Update};
 use umbrage::scene::Scene;
+use umbrage::shade::ShadeSettings;
 use umbrage_cli::method::facts;
 use umbrage_cli::scene_file::SceneArgs;
 use umbrage_cli::shown::Shown;
@@ -34,6 +35,19 @@ pub struct Job {
     pub reading: SceneArgs,
     /// How it is baked.
     pub settings: BakeSettings,
+    /// Whether the tolerance is not theirs but the one that suits the scene's size, whenever it is read.
+    pub tolerance_by_size: bool,
+}
+
+impl Job {
+    /// The settings for a scene of so many polygons.
+    fn settings_for(&self, polygons: usize) -> BakeSettings {
+        let mut settings = self.settings;
+        if self.tolerance_by_size {
+            settings.shade.tolerance = ShadeSettings::default_tolerance(polygons);
+        }
+        settings
+    }
 }
 
 /// A file that is ready to be drawn.
@@ -50,6 +64,8 @@ pub(crate) struct Loaded {
 /// What a bake kept.
 pub(crate) struct BakedHere {
     pub(crate) scene: Scene,
+    /// What it was baked with.
+    pub(crate) settings: BakeSettings,
     pub(crate) meshed: Meshed,
     pub(crate) report: Report,
     /// The baked file.
@@ -83,15 +99,16 @@ fn bake_here(
     progress: Progress<'_>,
     tell_files: &dyn Fn(Vec<PathBuf>),
 ) -> anyhow::Result<(BakedHere, Vec<String>)> {
-    let Job { path, reading, settings } = job;
+    let Job { path, reading, .. } = job;
     let (files, read) = reading.read_silently(path, ReadOptions::default().max_reflectance);
     tell_files(files);
     let (scene, warnings) = read?;
+    let settings = job.settings_for(scene.polygon_count());
     let (bake, meshed) =
-        bake_and_keep(&scene, settings, progress).with_context(|| format!("cannot bake {}", path.display()))?;
-    let glb = baked_glb_bytes(&scene, &bake.mesh, &facts(settings, &bake.report, None))?;
+        bake_and_keep(&scene, &settings, progress).with_context(|| format!("cannot bake {}", path.display()))?;
+    let glb = baked_glb_bytes(&scene, &bake.mesh, &facts(&settings, &bake.report, None))?;
     let warnings = warnings.iter().map(ToString::to_string).collect();
-    Ok((BakedHere { scene, meshed, report: bake.report, glb }, warnings))
+    Ok((BakedHere { scene, settings, meshed, report: bake.report, glb }, warnings))
 }
 
 /// A file that is being opened.
@@ -168,15 +185,13 @@ impl Drop for Loading {
 
 #[cfg(test)]
 mod tests {
-    use umbrage::shade::ShadeSettings;
-
     use super::*;
 
     fn job(path: &str) -> Job {
         let coarse = ShadeSettings { tolerance: f64::INFINITY, ..ShadeSettings::default() };
         let settings = BakeSettings { max_form_factor: Some(0.5), shade: coarse, ..BakeSettings::default() };
         let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../testdata/scenes").join(path);
-        Job { path, reading: SceneArgs::default(), settings }
+        Job { path, reading: SceneArgs::default(), settings, tolerance_by_size: false }
     }
 
     fn wait(loading: &Loading) -> anyhow::Result<Loaded> {
@@ -204,6 +219,17 @@ mod tests {
         let again = load(&Job { path, ..job("") }, Progress::silent(), &|_| {}).unwrap();
         assert!(again.baked.is_none());
         assert_eq!(again.tables.vertices, loaded.tables.vertices);
+    }
+
+    #[test]
+    fn the_tolerance_is_that_of_the_size_unless_one_was_asked_for() {
+        let asked = job("occluder.glb");
+        let by_size = Job { tolerance_by_size: true, ..asked.clone() };
+        let tolerances = |job: &Job| [1, 10_497, 99_407].map(|polygons| job.settings_for(polygons).shade.tolerance);
+        assert_eq!(tolerances(&asked), [f64::INFINITY; 3]);
+        assert_eq!(tolerances(&by_size), [0.01, 0.021, 0.1]);
+        let baked = load(&by_size, Progress::silent(), &|_| {}).unwrap().baked.unwrap();
+        assert_eq!(baked.settings.shade.tolerance, 0.01);
     }
 
     #[test]

@@ -248,9 +248,11 @@ impl Panel<'_> {
                     .on_hover_text("Error of the light between vertices, as a share of the mean light");
                 let mut percent = 100.0 * settings.shade.tolerance.min(1.0);
                 let told = |percent: f64, _| if percent < 100.0 { format!("{percent:.2} %") } else { "none".into() };
-                ui.add(DragValue::new(&mut percent).speed(0.01).range(0.05..=100.0).custom_formatter(told));
-                // 100 % is no refinement at all.
-                settings.shade.tolerance = if percent < 100.0 { 0.01 * percent } else { f64::INFINITY };
+                let field = DragValue::new(&mut percent).speed(0.01).range(0.05..=100.0).custom_formatter(told);
+                if ui.add(field).changed() {
+                    // 100 % is no refinement at all.
+                    settings.shade.tolerance = if percent < 100.0 { 0.01 * percent } else { f64::INFINITY };
+                }
                 ui.end_row();
                 ui.label("Form factor")
                     .on_hover_text("Patches are split until one's light that reaches another is less");

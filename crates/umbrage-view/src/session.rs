@@ -41,8 +41,10 @@ impl Session {
         self.loading = Some(Loading::begin(self.job.clone(), move || ctx.request_repaint()));
     }
 
-    /// Bakes the scene with other settings.
+    /// Bakes the scene with other settings. A tolerance that is not that of the bake before was asked for.
     pub(crate) fn bake(&mut self, settings: BakeSettings, ctx: &Context) {
+        let before = self.loaded.as_ref().and_then(|loaded| loaded.baked.as_ref()).map(|baked| &baked.settings);
+        self.job.tolerance_by_size &= before.is_some_and(|before| before.shade.tolerance == settings.shade.tolerance);
         self.job.settings = settings;
         self.open(ctx);
     }
@@ -102,7 +104,7 @@ mod tests {
     fn job(path: &Path) -> Job {
         let coarse = ShadeSettings { tolerance: f64::INFINITY, ..ShadeSettings::default() };
         let settings = BakeSettings { max_form_factor: Some(0.5), shade: coarse, ..BakeSettings::default() };
-        Job { path: path.to_path_buf(), reading: SceneArgs::default(), settings }
+        Job { path: path.to_path_buf(), reading: SceneArgs::default(), settings, tolerance_by_size: false }
     }
 
     /// Looks until something new is there.

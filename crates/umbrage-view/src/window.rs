@@ -110,6 +110,9 @@ impl Window {
         if let Err(error) = self.screen.show(&loaded.tables) {
             self.session.failure = Some(error.to_string());
         }
+        if let Some(baked) = loaded.baked.as_ref().filter(|_| self.session.job.tolerance_by_size) {
+            self.settings.shade.tolerance = baked.settings.shade.tolerance;
+        }
         (self.hit, self.picked, self.lines) = (None, None, ([false; 3], None));
         if self.view.is_some() {
             return;

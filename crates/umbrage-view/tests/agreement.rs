@@ -101,7 +101,7 @@ fn gpus() -> Vec<Gpu> {
 
 fn seen(path: &Path, words: &str, gpu: Gpu) -> Picture {
     let Args { size, camera, look, lines } = Args::parsed(words);
-    let job = Job { path: path.into(), reading: SceneArgs::default(), settings: coarse() };
+    let job = Job { path: path.into(), reading: SceneArgs::default(), settings: coarse(), tolerance_by_size: false };
     screenshot(&ViewOptions { job, size, camera, look, lines }, gpu).unwrap()
 }
 
@@ -283,7 +283,8 @@ fn set(segments: &[DrawnSegment], degree: u8) -> LineSet {
 fn a_baked_file_says_that_it_has_no_shadow_edges() {
     let Some(gpu) = gpus().pop() else { return };
     let Args { size, camera, look, lines } = Args::parsed("--segments");
-    let job = Job { path: cornell().into(), reading: SceneArgs::default(), settings: coarse() };
+    let job =
+        Job { path: cornell().into(), reading: SceneArgs::default(), settings: coarse(), tolerance_by_size: false };
     let error = screenshot(&ViewOptions { job, size, camera, look, lines }, gpu).unwrap_err();
     assert!(error.to_string().contains("does not hold shadow edges"), "{error}");
 }
