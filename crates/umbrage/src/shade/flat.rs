@@ -20,6 +20,9 @@
 //! what goes, or turned over, so that two of them do not hand a vertex to and fro. What cannot go that way stays. Both
 //! steps are repeated: a cut may make a short edge, and either may make a flat triangle.
 //!
+//! At last, at a border of the surface, where nothing lies behind the longest edge, a triangle goes that is a little higher: its corner
+//! lies on that edge for a reader who measures, and would be a T-vertex.
+//!
 //! Holds after: edges are shared as they were; nothing moved by more than half the weld distance.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -40,6 +43,9 @@ const FLAT_OF_WELD: f64 = 0.06;
 /// So is one of less area than the square of this share: it would fit in what counts as one point. It is less high than
 /// half the weld distance, whatever its shape.
 const POINT_OF_WELD: f64 = 0.35;
+
+/// At a border of the surface a triangle less high than this share of the weld distance, a millionth of the scene, goes.
+const FLAT_AT_BORDER_OF_WELD: f64 = 0.35;
 
 /// A triangle as it is shown, with the numbers of the values at its corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +92,29 @@ pub(super) fn take_out(
         }
         count += joined + closed;
     }
-    count
+    count + take_off_borders(triangles, &at_m, weld_m)
+}
+
+/// Takes out what is flat behind a border of the surface; returns how many triangles that were.
+fn take_off_borders(triangles: &mut Vec<LitTriangle>, at_m: &impl Fn(VertexId) -> DVec3, weld_m: f64) -> usize {
+    let low = |triangle: &LitTriangle| {
+        let shape = Shape::of(triangle.vertices.map(at_m));
+        let corner = triangle.vertices[(shape.longest + 2) % 3];
+        (shape.height_m < FLAT_AT_BORDER_OF_WELD * weld_m).then(|| (triangle.side(shape.longest), corner))
+    };
+    let mut borders: BTreeMap<[VertexId; 2], VertexId> = triangles.iter().filter_map(low).collect();
+    for triangle in triangles.iter() {
+        for i in 0..3 {
+            // Something with another corner lies behind it.
+            let (side, corner) = (triangle.side(i), triangle.vertices[(i + 2) % 3]);
+            if borders.get(&side).is_some_and(|&of_low| of_low != corner) {
+                borders.remove(&side);
+            }
+        }
+    }
+    let before = triangles.len();
+    triangles.retain(|triangle| low(triangle).is_none_or(|(side, _)| !borders.contains_key(&side)));
+    before - triangles.len()
 }
 
 /// Makes one of vertices that a short edge joins; returns how many triangles that took out. The later vertex goes, and none
@@ -369,13 +397,31 @@ mod tests {
     }
 
     #[test]
+    fn at_a_border_a_corner_that_lies_on_it_for_a_reader_goes_with_its_triangle() {
+        let height_m = 0.3 * WELD_M;
+        let at = [[0.0, 0.0], [2.0, 0.0], [0.5, height_m], [1.0, 1.0], [1.0, -1.0]]
+            .map(|p| glam::DVec2::from(p).extend(0.0));
+        let at_m = |v: VertexId| at[v.index()];
+        let behind = triangles(&[[0, 2, 3], [2, 1, 3]]);
+        let mut all = [triangles(&[[0, 1, 2]]), behind.clone()].concat();
+        assert_eq!(take_out(&mut all, &mut values(4), at_m, WELD_M), 1);
+        assert_eq!(all, behind);
+        // Where something lies behind the longest edge, there is no border.
+        let whole = [triangles(&[[0, 1, 2]]), behind, triangles(&[[1, 0, 4]])].concat();
+        let mut all = whole.clone();
+        assert_eq!(take_out(&mut all, &mut values(5), at_m, WELD_M), 0);
+        assert_eq!(all, whole);
+    }
+
+    #[test]
     fn no_vertex_is_handed_to_and_fro() {
         // The corner 1 of the flat one lies near 2, beyond which 3 goes on in line: to cut there makes a lower one.
-        let at = [[0.0, 0.0], [1.0, TINY_M], [1.01, 0.0], [20.0, -2e-3]].map(|p| glam::DVec2::from(p).extend(0.0));
-        let before = triangles(&[[0, 2, 1], [2, 0, 3]]);
-        let (mut all, mut values) = (before.clone(), values(4));
+        let at = [[0.0, 0.0], [1.0, TINY_M], [1.01, 0.0], [20.0, -2e-3], [9.0, -5.0]]
+            .map(|p| glam::DVec2::from(p).extend(0.0));
+        let before = triangles(&[[0, 2, 1], [2, 0, 3], [3, 0, 4]]);
+        let (mut all, mut values) = (before.clone(), values(5));
         assert_eq!(take_out(&mut all, &mut values, |v| at[v.index()], WELD_M), 0);
-        assert_eq!((all, values.len()), (before, 4));
+        assert_eq!((all, values.len()), (before, 5));
     }
 
     #[test]
