@@ -262,7 +262,7 @@ pub(crate) fn solve<'a>(
             let bouncing = Bouncing {
                 solve: settings.solve,
                 tolerance: settings.shade.tolerance,
-                coarser: settings.coarser_light(),
+                coarser: settings.coarseness(),
                 rays: settings.rays(prepared),
             };
             let room = Room { scene, prepared, visibility, direct: &direct, links };
@@ -301,7 +301,7 @@ pub(crate) fn show(
     };
 
     let light = Irradiance::new(prepared, visibility, mesh, &solution.reflected, solution.mean_irradiance(mesh))
-        .coarser(settings.coarser_light())
+        .coarser(settings.coarser_to_be_shown())
         .along_rays(settings.rays(prepared))
         .with_memory(before.gathered());
     let indirect = IndirectLight { irradiance: &light, bounced: &bounced };

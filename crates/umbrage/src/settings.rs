@@ -13,6 +13,10 @@ const FMAX: f64 = 0.04;
 /// as small.
 const MIN_AREA_OF_TOTAL: f64 = 7e-4;
 
+/// Light that is gathered to be shown alone may err so many times what it may where it bounces: there errors of one direction add up
+/// from bounce to bounce.
+const TO_BE_SHOWN: f64 = 3.0;
+
 /// About what one ray of many errs of the mean irradiance, root mean square.
 const ONE_RAY_ERRS: f64 = 0.25;
 /// The share of the tolerance that rays may err.
@@ -79,9 +83,9 @@ impl BakeSettings {
         self.max_form_factor.unwrap_or_else(|| FMAX * self.coarseness())
     }
 
-    /// How much coarser the hierarchy may be than at the default tolerance: what the light itself errs goes nearly with
-    /// `Fmax`, but is only a part of the error.
-    fn coarseness(&self) -> f64 {
+    /// How much coarser the hierarchy, and what light is gathered from, may be than at the default tolerance: what the light itself
+    /// errs goes nearly with `Fmax`, but is only a part of the error.
+    pub(crate) fn coarseness(&self) -> f64 {
         let tolerance = self.shade.tolerance;
         if tolerance.is_finite() {
             (tolerance / ShadeSettings::default().tolerance).sqrt().clamp(0.1, 3.0)
@@ -90,9 +94,9 @@ impl BakeSettings {
         }
     }
 
-    /// How many times more the light itself may err than at the default tolerance, where more is asked for.
-    pub(crate) fn coarser_light(&self) -> f64 {
-        self.coarseness().max(1.0)
+    /// How many times what it may at the default tolerance light may err that is gathered to be shown alone.
+    pub(crate) fn coarser_to_be_shown(&self) -> f64 {
+        TO_BE_SHOWN * self.coarseness()
     }
 
     /// Along how many rays light is gathered in a large scene, so that what they err is a share of the tolerance; `None` where looking

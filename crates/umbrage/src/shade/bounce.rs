@@ -70,7 +70,7 @@ pub struct Bouncing {
     pub solve: SolveSettings,
     /// How uneven what leaves gather may be, as a share of the mean irradiance: infinite for no splits.
     pub tolerance: f64,
-    /// How many times more light may err than at the default tolerance.
+    /// How many times as much light may err as at the default tolerance.
     pub coarser: f64,
     /// Along how many rays light is gathered, where there are so many faces that looking at each of them takes longer.
     pub rays: Option<usize>,

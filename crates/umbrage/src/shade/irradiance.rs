@@ -102,9 +102,10 @@ impl<'a> Irradiance<'a> {
         Self { prepared, visibility, mesh, reflected, crowds, most, sources, mean, weak, rays: None, memory }
     }
 
-    /// The same, for light that may err so many times more: what is weak may be so much brighter.
+    /// The same, for light that may err so many times what it may at the default tolerance: what is weak or a trifle may be so much
+    /// brighter.
     pub fn coarser(self, times: f64) -> Self {
-        Self { weak: times * self.weak, ..self }
+        Self { weak: times * self.weak, reflected: self.reflected.coarser(times), ..self }
     }
 
     /// The same, which gathers along so many rays, if any number is given, and not from each face.

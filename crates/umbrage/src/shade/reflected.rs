@@ -26,7 +26,7 @@ use crate::transport::form_factor::factor_in_view;
 use crate::visibility::{PlaneView, Seen, Shadows};
 
 /// A patch stands for its parts, and a slice for its points, where that changes irradiance by no more than this share of
-/// its mean: a point gathers over some hundred patches, whose errors partly cancel.
+/// its mean, at the default tolerance: a point gathers over some hundred patches, whose errors partly cancel.
 const TRIFLE_OF_MEAN: f64 = 1e-4;
 /// A leaf is sliced into at most two to this power.
 const MOST_HALVINGS: usize = 3;
@@ -130,6 +130,11 @@ impl<'a> Reflected<'a> {
             variation[id] = Variation { linear, departure };
         }
         Self { flat, radiosity, variation, trifle: TRIFLE_OF_MEAN * mean }
+    }
+
+    /// The same, where a change that is so many times greater does not matter either.
+    pub(super) fn coarser(self, times: f64) -> Self {
+        Self { trifle: times * self.trifle, ..self }
     }
 
     /// Radiosity by reflection, in W/m2.
