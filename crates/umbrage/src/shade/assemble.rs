@@ -3,9 +3,8 @@
 //! Before: every leaf of the mesh is a triangle. After: a [`BakedMesh`] in the order of patches; vertices are shared
 //! within a part by corners that have the same in all that a vertex has. No triangle is flat as a needle.
 
-use std::collections::HashMap;
-
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 use super::corner_group;
 use super::field::{Field, Places, Values};
@@ -89,7 +88,7 @@ fn parts(scene: &Scene, prepared: &Prepared, mesh: &Mesh, triangles: &[LitTriang
     let surface_of = |number: usize| prepared.faces[triangles[number].face].surface;
     for of_surface in by_surface.chunk_by(|&p, &q| surface_of(p) == surface_of(q)) {
         let part = &mut parts[surface_of(of_surface[0])];
-        let mut known: HashMap<[u32; 11], u32> = HashMap::new();
+        let mut known: FxHashMap<[u32; 11], u32> = FxHashMap::default();
         for &number in of_surface {
             let LitTriangle { face, vertices, values } = triangles[number];
             let corners = [0, 1, 2].map(|k| {

@@ -6,10 +6,9 @@
 //!
 //! Values are kept, so that a point that serves the estimate of the error and later the mesh is evaluated once.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 use crate::discontinuity::is_contact;
 use crate::id::{PatchId, PlaneId, Table, VertexId};
@@ -28,6 +27,9 @@ const POINTS_A_REPORT: usize = 16;
 
 /// Irradiance as a function of the place.
 pub(super) trait Field: Sync {
+    /// Prepares the evaluation at many points of these leaves.
+    fn look_around(&mut self, _: &Mesh, _leaves: &[PatchId]) {}
+
     /// Irradiance at a point of `patch`, in W/m2.
     fn at(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> Rgb;
 
@@ -162,7 +164,7 @@ fn distinct(mut requests: Vec<Request>) -> Vec<Request> {
 /// Values of a field at points of the mesh, numbered in the order in which they were asked for.
 #[derive(Debug, Default)]
 pub(super) struct Values {
-    numbers: HashMap<MeshPoint, u32>,
+    numbers: FxHashMap<MeshPoint, u32>,
     values: Vec<Rgb>,
     /// Of what the first of them err by chance; no others do.
     variances: Vec<f32>,

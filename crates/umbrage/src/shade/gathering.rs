@@ -150,7 +150,7 @@ impl<'a, F: FnMut(Term)> Gathering<'a, F> {
         if between.len() > MOST_BETWEEN && subpatches.is_some() {
             return subpatches.into_iter().flatten().for_each(|part| self.add_patch(&sight, part));
         }
-        let seen = light.visibility.seen_in(beam, sight.among);
+        let seen = light.visibility.seen_past(beam, &between);
         if !seen.is_nothing() {
             light.reflected.add_terms(view, patch, seen, &mut self.add);
         }

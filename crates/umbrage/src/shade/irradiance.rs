@@ -26,7 +26,7 @@ use crate::id::{ClusterId, FaceId, PatchId, Table};
 use crate::mesh::{Mesh, Patch};
 use crate::prepare::Prepared;
 use crate::scene::Rgb;
-use crate::transport::{DirectLight, Linear};
+use crate::transport::Linear;
 use crate::visibility::{FlatSource, Memory, ReceiverPoint, Visibility};
 
 /// A patch that could not bring more than this share of the mean irradiance is weak: what a few rays err about the part of
@@ -280,16 +280,6 @@ fn crowds(
     })
 }
 
-/// Direct light as a field.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Direct<'a>(pub(super) &'a DirectLight<'a>);
-
-impl Field for Direct<'_> {
-    fn at(&self, _: &Mesh, point: &ReceiverPoint, _: PatchId) -> Rgb {
-        self.0.at(point)
-    }
-}
-
 /// Indirect light as a field.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Indirect<'a>(pub(super) &'a Irradiance<'a>);
@@ -312,7 +302,7 @@ mod tests {
     use crate::scene::Material;
     use crate::solve::{SolveSettings, Surfaces, solve};
     use crate::transport::form_factor::factor_in_view;
-    use crate::transport::{FormFactorOracle, link_all};
+    use crate::transport::{DirectLight, FormFactorOracle, link_all};
     use crate::visibility::fixture;
     use glam::{DVec3, Vec3Swizzles};
     use std::f64::consts::PI;

@@ -6,6 +6,7 @@ mod bounce;
 mod bounced;
 mod corner_group;
 mod crowd;
+mod direct;
 mod element;
 mod errors;
 mod field;

@@ -7,6 +7,7 @@ use glam::DVec2;
 use smallvec::SmallVec;
 
 use crate::geometry::convex::{self, Convex, Line, Moments};
+use crate::geometry::polygon;
 use crate::transport::form_factor::factor_in_view;
 use crate::visibility::PlaneView;
 
@@ -44,7 +45,7 @@ impl<'a> Pieces<'a> {
     }
 
     fn push(&mut self, corners_m: Convex) -> usize {
-        let (area_m2, factor) = (Moments::of(&corners_m).area_m2, factor_in_view(self.view, &corners_m));
+        let (area_m2, factor) = (polygon::signed_area_2d_m2(&corners_m), factor_in_view(self.view, &corners_m));
         self.pieces.push(Piece { corners_m, area_m2, factor });
         self.pieces.len() - 1
     }

@@ -72,7 +72,7 @@ pub(super) struct Refined {
 pub(super) fn refine(
     mesh: &mut Mesh,
     places: &Places<'_>,
-    field: &impl Field,
+    field: &mut impl Field,
     known: Values,
     receives: impl Fn(&Mesh, PatchId) -> bool,
     settings: RefineSettings,
@@ -93,6 +93,8 @@ pub(super) fn refine(
         let is_stale = |leaf: PatchId| points_of[leaf.index()].is_none_or(|points| points != mesh.boundary_count(leaf));
         let stale: Vec<Outlined> =
             leaves.par_iter().filter(|leaf| is_stale(**leaf)).map(|&leaf| Outlined::of(mesh, leaf)).collect();
+        field.look_around(mesh, &stale.iter().map(|leaf| leaf.patch).collect::<Vec<_>>());
+        let field = &*field;
         let requests = stale.par_iter().flat_map_iter(|leaf| leaf.requests(mesh, places)).collect();
         refined.values.evaluate(mesh, field, requests, Stage::Shade, progress)?;
         // Elements may ask for more of the field.
@@ -197,8 +199,8 @@ mod tests {
     use crate::mesh::MeshSettings;
     use crate::prepare::prepare;
     use crate::scene::cornell::cornell_box;
+    use crate::shade::direct::Direct;
     use crate::shade::interpolated::Interpolated;
-    use crate::shade::irradiance::Direct;
     use crate::transport::DirectLight;
     use crate::visibility::{ReceiverPoint, Visibility, fixture};
     use glam::DVec3;
@@ -225,7 +227,7 @@ mod tests {
             let settings = RefineSettings { interpolation, tolerance: 1e-60, mean: 1.0, max_triangles: usize::MAX };
             let places = Places::new(&prepared);
             let refined =
-                refine(&mut mesh, &places, &Spikes, Values::default(), |_, _| true, settings, Progress::silent())
+                refine(&mut mesh, &places, &mut Spikes, Values::default(), |_, _| true, settings, Progress::silent())
                     .unwrap();
             let (unseen, seen): (Vec<PatchId>, Vec<PatchId>) =
                 mesh.leaves().partition(|leaf| refined.elements.get(leaf.index()).is_none_or(Vec::is_empty));
@@ -257,7 +259,7 @@ mod tests {
             let interpolation = Interpolation::Quadratic;
             let settings = RefineSettings { interpolation, tolerance, mean: 0.3, max_triangles: usize::MAX };
             let refined =
-                refine(&mut mesh, &places, &Bump, Values::default(), |_, _| true, settings, Progress::silent())
+                refine(&mut mesh, &places, &mut Bump, Values::default(), |_, _| true, settings, Progress::silent())
                     .unwrap();
             let field = Interpolated::new(&mesh, &refined, &Table::new());
             let n = 200;
@@ -297,7 +299,8 @@ mod tests {
         let interpolation = Interpolation::Quadratic;
         let settings = RefineSettings { interpolation, tolerance: 3e-3, mean: 0.1, max_triangles: usize::MAX };
         let refined =
-            refine(&mut mesh, &places, &Reveal, Values::default(), |_, _| true, settings, Progress::silent()).unwrap();
+            refine(&mut mesh, &places, &mut Reveal, Values::default(), |_, _| true, settings, Progress::silent())
+                .unwrap();
         let field = Interpolated::new(&mesh, &refined, &Table::new());
         let mut worst = 0.0_f64;
         for i in 0..10_000 {
@@ -337,7 +340,7 @@ mod tests {
                     let refined = refine(
                         &mut mesh,
                         &places,
-                        &Direct(&direct),
+                        &mut Direct::new(&direct),
                         Values::default(),
                         receives,
                         settings,

@@ -10,9 +10,10 @@
 
 use super::BakedMesh;
 use super::assemble::assemble;
+use super::direct::Direct;
 use super::field::{Field, Places, Values};
 use super::interpolated::Interpolated;
-use super::irradiance::{Direct, Indirect, Irradiance, Terms};
+use super::irradiance::{Indirect, Irradiance, Terms};
 use super::plain::plain_faces;
 use super::refine::{Interpolation, RefineSettings, Refined, refine};
 use crate::id::PatchId;
@@ -77,6 +78,10 @@ struct Total<'a> {
 }
 
 impl Field for Total<'_> {
+    fn look_around(&mut self, mesh: &Mesh, leaves: &[PatchId]) {
+        self.direct.look_around(mesh, leaves);
+    }
+
     fn at(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> Rgb {
         self.direct.at(mesh, point, patch) + self.indirect.at(point, mesh.patch(patch).face)
     }
@@ -129,9 +134,9 @@ pub fn shade(
     let tolerances = [smooth.tolerance, settings.tolerance].map(|tolerance| tolerance * mean);
     let (plain, known) = plain_faces(gathering, &places, irradiance, bounced, tolerances, progress)?;
     let is_not_plain = |mesh: &Mesh, patch: PatchId| plain[mesh.patch(patch).face].is_none();
-    let gathered = refine(gathering, &places, &Indirect(irradiance), known, is_not_plain, smooth, progress)?;
+    let gathered = refine(gathering, &places, &mut Indirect(irradiance), known, is_not_plain, smooth, progress)?;
     let indirect = Interpolated::new(gathering, &gathered, &plain);
-    let total = Total { direct: Direct(direct), indirect };
+    let mut total = Total { direct: Direct::new(direct), indirect };
     let whole = RefineSettings {
         interpolation: Interpolation::Linear,
         tolerance: LINEAR_SHARE * settings.tolerance,
@@ -139,7 +144,9 @@ pub fn shade(
         max_triangles: settings.max_triangles,
     };
     let Refined { mut values, shifts, error, .. } =
-        refine(mesh, &places, &total, Values::default(), receives, whole, progress)?;
+        refine(mesh, &places, &mut total, Values::default(), receives, whole, progress)?;
+    // At borders points may lie in a patch beside the one that they are of: for these all is looked at.
+    total.direct = Direct::new(direct);
     values.shift(&shifts);
     mesh.triangulate();
     let (mesh, flat_triangles) = assemble(scene, prepared, mesh, &places, &values, &total, progress)?;

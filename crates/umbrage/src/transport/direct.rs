@@ -11,11 +11,12 @@ use crate::id::{FaceId, LampId, PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::scene::{Rgb, Scene};
-use crate::visibility::{FlatSource, ReceiverPoint, Visibility};
+use crate::visibility::{FlatSource, ReceiverPoint, SourcePolygon, Visibility};
 
 use super::fit::Linear;
 use super::form_factor::factor_of_seen;
 use super::lamps::Lamps;
+use super::obstacles::{MOST_EMITTERS, Obstacles};
 use super::sample;
 use super::seen::{KnownHere, SourceMemory, SourcesSeen};
 use rayon::prelude::*;
@@ -25,6 +26,7 @@ use rayon::prelude::*;
 struct Emitter {
     face: FaceId,
     polygon: FlatSource,
+    outline: SourcePolygon,
     /// Emitted exitance, in W/m2.
     exitance: Rgb,
 }
@@ -48,6 +50,7 @@ impl<'a> DirectLight<'a> {
             .map(|face| Emitter {
                 face,
                 polygon: FlatSource::of_face(prepared, face),
+                outline: SourcePolygon::of_face(prepared, face),
                 exitance: material(face).exitance(),
             })
             .collect();
@@ -62,18 +65,38 @@ impl<'a> DirectLight<'a> {
 
     /// Irradiance at a point, in W/m2.
     pub fn at(&self, receiver: &ReceiverPoint) -> Rgb {
+        self.at_past(receiver, None)
+    }
+
+    /// What may stand between a patch and each emitter; where those of a patch around it are given, it is found among them.
+    pub fn obstacles(&self, mesh: &Mesh, patch: PatchId, around: Option<&Obstacles>) -> Obstacles {
+        if self.emitters.len() > MOST_EMITTERS {
+            return Obstacles::default();
+        }
+        let receiver = SourcePolygon::on_face(self.prepared, mesh.patch(patch).face, mesh.polygon_m(patch));
+        let before = |(number, emitter): (usize, &Emitter)| match around.and_then(|around| around.before(number)) {
+            Some([]) => Vec::new(),
+            among => self.visibility.faces_around(&receiver, &emitter.outline, among),
+        };
+        Obstacles::new(self.emitters.iter().enumerate().map(before))
+    }
+
+    /// Irradiance at a point, in W/m2, of a patch whose obstacles may be given.
+    pub fn at_past(&self, receiver: &ReceiverPoint, obstacles: Option<&Obstacles>) -> Rgb {
         let known = self.memory.at(receiver);
         let mut seen = SourcesSeen::default();
-        let from = |emitter: &Emitter| {
-            let factor = known
-                .and_then(|known| known.factor(emitter.face))
-                .unwrap_or_else(|| factor_of_seen(self.visibility, receiver, &emitter.polygon));
+        let from = |(number, emitter): (usize, &Emitter)| {
+            let past = || {
+                let among = obstacles.and_then(|obstacles| obstacles.before(number));
+                factor_of_seen(self.visibility, receiver, &emitter.polygon, among)
+            };
+            let factor = known.and_then(|known| known.factor(emitter.face)).unwrap_or_else(past);
             if factor != 0.0 {
                 seen.emitters.push((emitter.face, factor));
             }
             emitter.exitance * factor
         };
-        let of_emitters = self.emitters.iter().map(from).sum::<Rgb>();
+        let of_emitters = self.emitters.iter().enumerate().map(from).sum::<Rgb>();
         let light = of_emitters + self.of_lamps(receiver, known, &mut seen.lamps);
         self.memory.note(receiver, || seen);
         light

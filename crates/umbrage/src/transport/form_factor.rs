@@ -11,8 +11,10 @@
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
+use wide::f64x4;
 
 use crate::geometry::{Plane, clip};
+use crate::id::FaceId;
 use crate::visibility::{FlatSource, PlaneView, ReceiverPoint, Visibility};
 
 /// Lambert's sum over one oriented contour, seen from `position_m` with the unit normal `normal`: positive where the
@@ -41,29 +43,49 @@ pub fn point_to_polygon(position_m: DVec3, normal: DVec3, corners_m: &[DVec3]) -
     contour_factor(position_m, normal, &above).max(0.0)
 }
 
-/// The factor of a point to a polygon of a plane that it views, above its horizon: as [`contour_factor`], in two dimensions.
+/// The factor of a point to a polygon of a plane that it views, above its horizon: as [`contour_factor`], in two dimensions, for four
+/// edges at a time.
 pub fn factor_in_view(view: &PlaneView, corners_m: &[DVec2]) -> f64 {
-    let Some(&last) = corners_m.last() else { return 0.0 };
-    let (h, n) = (view.height_m, view.normal);
-    let mut sum = 0.0;
-    let mut from = last - view.foot_m;
-    for &corner in corners_m {
-        let to = corner - view.foot_m;
-        // The cross product of `to` and `from`, which both have the height `-h`.
-        let cross = DVec3::new(h * (from.y - to.y), h * (to.x - from.x), to.perp_dot(from));
-        let sine = cross.length();
-        if sine > 0.0 {
-            sum += sine.atan2(from.dot(to) + h * h) * n.dot(cross) / sine;
+    let (h, n) = (f64x4::splat(view.height_m), view.normal);
+    let mut sums = f64x4::ZERO;
+    for first in (0..corners_m.len()).step_by(EDGES) {
+        let (mut from, mut to) = ([[0.0; EDGES]; 2], [[0.0; EDGES]; 2]);
+        // What is missing of four edges is one without length.
+        for (lane, &corner) in corners_m[first..].iter().take(EDGES).enumerate() {
+            let before = corners_m[(first + lane).checked_sub(1).unwrap_or(corners_m.len() - 1)];
+            let ends = [before, corner].map(|end| end - view.foot_m);
+            (from[0][lane], from[1][lane], to[0][lane], to[1][lane]) = (ends[0].x, ends[0].y, ends[1].x, ends[1].y);
         }
-        from = to;
+        let ([from_x, from_y], [to_x, to_y]) = (from.map(f64x4::new), to.map(f64x4::new));
+        // The cross product of `to` and `from`, which both have the height `-h`.
+        let cross = [h * (from_y - to_y), h * (to_x - from_x), to_x * from_y - to_y * from_x];
+        let sine = (cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]).sqrt();
+        let cosine = from_x * to_x + from_y * to_y + h * h;
+        let over_edge = cross[0] * n.x + cross[1] * n.y + cross[2] * n.z;
+        // An edge without a sine has no cross product either.
+        sums += sine.atan2(cosine) * over_edge / sine.max(f64x4::splat(f64::MIN_POSITIVE));
     }
-    sum / (2.0 * PI)
+    sums.reduce_add() / (2.0 * PI)
 }
 
-/// The factor of a point to what it sees of a source.
-pub fn factor_of_seen(visibility: &Visibility, receiver: &ReceiverPoint, source: &FlatSource) -> f64 {
+/// Edges that are summed at once.
+const EDGES: usize = 4;
+
+/// The factor of a point to what it sees of a source past some faces, or past all where none are given.
+pub fn factor_of_seen(
+    visibility: &Visibility,
+    receiver: &ReceiverPoint,
+    source: &FlatSource,
+    among: Option<&[FaceId]>,
+) -> f64 {
     let Some(view) = visibility.view(receiver, source) else { return 0.0 };
-    visibility.seen(receiver, source).measure(|corners_m| factor_in_view(&view, corners_m)).max(0.0)
+    let factor = |corners_m: &[DVec2]| factor_in_view(&view, corners_m);
+    if among.is_some_and(<[FaceId]>::is_empty) {
+        let above = view.above_horizon(&source.corners_m);
+        return factor(above.as_deref().unwrap_or(&source.corners_m)).max(0.0);
+    }
+    let seen = visibility.beam(receiver, view, source).map(|beam| visibility.seen_in(beam, among));
+    seen.map_or(0.0, |seen| seen.measure(factor).max(0.0))
 }
 
 /// A patch as the estimate sees it: a disc.
@@ -124,6 +146,22 @@ mod tests {
 
     fn assert_close(value: f64, truth: f64, tolerance: f64) {
         assert!((value - truth).abs() <= tolerance, "{value} is not {truth} within {tolerance}");
+    }
+
+    proptest! {
+        #[test]
+        fn in_two_dimensions_and_four_edges_at_a_time_it_is_the_same_sum(
+            count in 3..11usize, radius in 1e-3..2.0, middle in (-2.0..2.0, -2.0..2.0), height in 1e-3..2.0,
+            up in (-1.0..1.0, -1.0..1.0),
+        ) {
+            let on_circle = |i: usize| DVec2::from(middle) + radius * DVec2::from_angle(i as f64 * 2.0 * PI / count as f64);
+            let corners: Vec<DVec2> = (0..count).map(on_circle).collect();
+            let normal = DVec3::new(up.0, up.1, -1.0).normalize();
+            let view = PlaneView { foot_m: DVec2::ZERO, height_m: height, normal };
+            let contour: Vec<DVec3> = corners.iter().map(|corner| corner.extend(0.0)).collect();
+            let truth = contour_factor(DVec3::Z * height, normal, &contour);
+            prop_assert!((factor_in_view(&view, &corners) - truth).abs() < 1e-14, "not {truth}");
+        }
     }
 
     #[test]
@@ -187,7 +225,7 @@ mod tests {
         let source = FlatSource::of_face(&prepared, FaceId::from(2));
         mean_over_unit_square(12, |x, y| {
             let receiver = ReceiverPoint::on_face(&prepared, FaceId::from(0), DVec3::new(x, y, 0.0));
-            factor_of_seen(&index, &receiver, &source)
+            factor_of_seen(&index, &receiver, &source, None)
         })
     }
 

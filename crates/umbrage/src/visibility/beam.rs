@@ -33,8 +33,8 @@ use smallvec::SmallVec;
 use super::Visibility;
 use super::shadow::{self, Rounding, Shadows};
 use super::view::{PlaneView, Window};
-use crate::geometry::convex::{self, Convex, Moments};
-use crate::geometry::{Plane, PlaneFrame};
+use crate::geometry::convex::{self, Convex};
+use crate::geometry::{Plane, PlaneFrame, polygon};
 use crate::id::{FaceId, PlaneId};
 use crate::prepare::Prepared;
 
@@ -175,7 +175,7 @@ impl Visibility {
         let [low_m, high_m] = convex::bounds_m(&outline);
         let slack_m = SLACK_OF_SOURCE * (high_m - low_m).max_element();
         let rounding = Rounding { slack_m, thin_m2: slack_m * convex::perimeter_m(&outline) };
-        let area_m2 = Moments::of(&outline).area_m2;
+        let area_m2 = polygon::signed_area_2d_m2(&outline);
         if outline.is_empty() || area_m2 <= rounding.thin_m2 {
             return None;
         }
@@ -186,47 +186,72 @@ impl Visibility {
     /// The faces whose boxes meet a beam; `among` some, or all where none are given.
     pub fn between(&self, beam: &Beam<'_>, among: Option<&[FaceId]>) -> Between {
         let mut between = Between::new();
-        self.walk_among(
-            among,
-            |aabb| beam.window.rounded_box_may_occlude(aabb.min, aabb.max),
-            |min_m, max_m| beam.window.box_may_occlude(min_m, max_m),
-            |face| {
-                if !beam.passing.contains(&self.plane(face)) {
-                    between.push(face);
-                }
-                ControlFlow::Continue(())
-            },
-        );
+        self.walk_beam(beam, among, |face| {
+            between.push(face);
+            ControlFlow::Continue(())
+        });
         between
     }
 
     /// What is seen in a beam past some faces, or past all where none are given.
     pub fn seen_in(&self, beam: Beam<'_>, among: Option<&[FaceId]>) -> Seen {
-        let Beam { window, whole, area_m2, passing } = beam;
-        let thin_m2 = window.rounding.thin_m2;
-        let mut shadows = Shadows::new();
-        let mut most_m2: f64 = 0.0;
+        let mut thrown = Thrown::default();
+        self.walk_beam(&beam, among, |face| self.throw(&beam, face, &mut thrown));
+        beam.less(thrown)
+    }
+
+    /// The same past faces that are known to be [`Self::between`].
+    pub fn seen_past(&self, beam: Beam<'_>, between: &[FaceId]) -> Seen {
+        let mut thrown = Thrown::default();
+        // Stops where nothing is left to be seen.
+        let _ = between.iter().try_for_each(|&face| self.throw(&beam, face, &mut thrown));
+        beam.less(thrown)
+    }
+
+    /// Visits the faces whose boxes meet a beam and that may stand in it.
+    fn walk_beam(&self, beam: &Beam<'_>, among: Option<&[FaceId]>, mut visit: impl FnMut(FaceId) -> ControlFlow<()>) {
         self.walk_among(
             among,
-            |aabb| window.rounded_box_may_occlude(aabb.min, aabb.max),
-            |min_m, max_m| window.box_may_occlude(min_m, max_m),
+            |aabb| beam.window.rounded_box_may_occlude(aabb.min, aabb.max),
+            |min_m, max_m| beam.window.box_may_occlude(min_m, max_m),
             |face| {
-                if passing.contains(&self.plane(face)) {
-                    return ControlFlow::Continue(());
-                }
-                if let Some((shadow, shadow_m2)) = window.shadow(self.boundary_m(face)) {
-                    most_m2 = shadow_m2.max(most_m2);
-                    shadows.push(shadow);
-                }
-                if most_m2 >= area_m2 - thin_m2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                if beam.passing.contains(&self.plane(face)) { ControlFlow::Continue(()) } else { visit(face) }
             },
         );
-        if most_m2 >= area_m2 - thin_m2 {
+    }
+
+    /// Adds the shadow of a face; breaks where it takes the whole.
+    fn throw(&self, beam: &Beam<'_>, face: FaceId, thrown: &mut Thrown) -> ControlFlow<()> {
+        if let Some((shadow, shadow_m2)) = beam.window.shadow(self.boundary_m(face)) {
+            thrown.most_m2 = shadow_m2.max(thrown.most_m2);
+            thrown.shadows.push(shadow);
+        }
+        if beam.is_taken_by(thrown) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// Shadows that are thrown onto a source, and the area of the largest, in square metres.
+#[derive(Default)]
+struct Thrown {
+    shadows: Shadows,
+    most_m2: f64,
+}
+
+impl Beam<'_> {
+    /// Whether one shadow takes all of the source.
+    fn is_taken_by(&self, thrown: &Thrown) -> bool {
+        thrown.most_m2 >= self.area_m2 - self.window.rounding.thin_m2
+    }
+
+    /// What shadows leave.
+    fn less(self, thrown: Thrown) -> Seen {
+        if self.is_taken_by(&thrown) {
             return Seen::default();
         }
-        let shadows = shadow::without_overlap(&window.outline, shadows, window.rounding);
-        let dark_m2: f64 = shadows.iter().map(|shadow| Moments::of(shadow).area_m2).sum();
-        if area_m2 - dark_m2 <= THIN_LIT * thin_m2 {
+        let Beam { window, whole, area_m2, .. } = self;
+        let shadows = shadow::without_overlap(&window.outline, thrown.shadows, window.rounding);
+        let dark_m2: f64 = shadows.iter().map(|shadow| polygon::signed_area_2d_m2(shadow)).sum();
+        if area_m2 - dark_m2 <= THIN_LIT * window.rounding.thin_m2 {
             return Seen::default();
         }
         Seen { outline: window.outline, whole, shadows }
@@ -265,7 +290,7 @@ mod tests {
         }
 
         fn share_from_face(&self, face: usize, near: DVec3) -> f64 {
-            let area_m2 = |corners: &[DVec2]| Moments::of(corners).area_m2;
+            let area_m2 = |corners: &[DVec2]| polygon::signed_area_2d_m2(corners);
             self.seen_from(face, near).measure(area_m2) / area_m2(&self.source.corners_m)
         }
 

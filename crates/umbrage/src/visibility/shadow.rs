@@ -6,7 +6,8 @@
 
 use glam::DVec2;
 
-use crate::geometry::convex::{self, Convex, Moments};
+use crate::geometry::convex::{self, Convex};
+use crate::geometry::polygon;
 
 /// Convex parts of a source that do not overlap.
 pub type Shadows = Vec<Convex>;
@@ -55,14 +56,14 @@ fn add_parts(outline: &[DVec2], shadows: Shadows, rounding: Rounding, halvings: 
     let mut of_halves = [Shadows::new(), Shadows::new()];
     for shadow in &shadows {
         for (of_half, part) in of_halves.iter_mut().zip(convex::halves(shadow, &line, slack_m)) {
-            if Moments::of(&part).area_m2 > thin_m2 {
+            if polygon::signed_area_2d_m2(&part) > thin_m2 {
                 of_half.push(part);
             }
         }
     }
     for (half, shadows) in halves.into_iter().zip(of_halves) {
-        let most_m2 = Moments::of(&half).area_m2 - thin_m2;
-        if shadows.iter().any(|shadow| Moments::of(shadow).area_m2 >= most_m2) {
+        let most_m2 = polygon::signed_area_2d_m2(&half) - thin_m2;
+        if shadows.iter().any(|shadow| polygon::signed_area_2d_m2(shadow) >= most_m2) {
             parts.push(half);
         } else {
             add_parts(&half, shadows, rounding, halvings + 1, parts);
@@ -78,7 +79,7 @@ mod tests {
     const ROUNDING: Rounding = Rounding { slack_m: 1e-9, thin_m2: 1e-9 };
 
     fn area_m2(parts: &[Convex]) -> f64 {
-        parts.iter().map(|part| Moments::of(part).area_m2).sum()
+        parts.iter().map(|part| polygon::signed_area_2d_m2(part)).sum()
     }
 
     #[test]

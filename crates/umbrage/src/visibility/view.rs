@@ -14,8 +14,8 @@ use smallvec::SmallVec;
 use super::ReceiverPoint;
 use super::half_spaces::HalfSpaces;
 use super::shadow::Rounding;
-use crate::geometry::convex::{self, Convex, Moments};
-use crate::geometry::{Plane, PlaneFrame, Tolerance, clip};
+use crate::geometry::convex::{self, Convex};
+use crate::geometry::{Plane, PlaneFrame, Tolerance, clip, polygon};
 
 /// Occluders nearer to the receiver point than this share of its height over the source are cut off: there the
 /// projection loses all digits.
@@ -186,7 +186,7 @@ impl<'a> Window<'a> {
             }
         }
         let mut shadow: Convex = clipped.iter().map(|q| q.truncate() / q.z).collect();
-        let area_m2 = Moments::of(&shadow).area_m2;
+        let area_m2 = polygon::signed_area_2d_m2(&shadow);
         if area_m2 < 0.0 {
             shadow.reverse();
         }

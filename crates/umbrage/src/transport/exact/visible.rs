@@ -214,7 +214,7 @@ impl Integration<'_> {
         let plane = &self.receiver.oriented_plane;
         let position_m = plane.project(near_m);
         let point = ReceiverPoint { position_m, normal: plane.normal, plane: self.receiver.plane };
-        factor_of_seen(self.visibility, &point, &self.flat_source)
+        factor_of_seen(self.visibility, &point, &self.flat_source, None)
     }
 
     /// What the points of a rule may have missed in penumbrae that none of them lies in: area times factor.
