@@ -167,7 +167,8 @@ fn results(scenes: &[Measured]) -> Table {
         let [polygons, faces, links, triangles] = [last.polygons, last.faces, last.links, last.triangles].map(grouped);
         let of_links = last.links as f64;
         let a_leaf = last.leaves.map_or(String::new(), |leaves| format!("{:.1}", of_links / leaves.max(1) as f64));
-        let us_each = last.linking_seconds.map_or(String::new(), |s| format!("{:.1}", 1e6 * s / of_links.max(1.0)));
+        let linking_s = last.linking_seconds.filter(|_| last.links > 0);
+        let us_each = linking_s.map_or(String::new(), |s| format!("{:.1}", 1e6 * s / of_links));
         let counts = [polygons, faces, links, a_leaf, us_each, triangles];
         let shares = [
             percent(last.estimate, 2),
