@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::field::Field;
 use crate::id::PatchId;
 use crate::mesh::Mesh;
+use crate::progress::Cancelled;
 use crate::scene::Rgb;
 use crate::transport::{DirectLight, Obstacles};
 use crate::visibility::ReceiverPoint;
@@ -33,14 +34,20 @@ impl<'a> Direct<'a> {
 }
 
 impl Field for Direct<'_> {
-    fn look_around(&mut self, mesh: &Mesh, leaves: &[PatchId]) {
+    fn look_around(
+        &mut self,
+        mesh: &Mesh,
+        leaves: &[PatchId],
+        report: &(impl Fn() -> Result<(), Cancelled> + Sync),
+    ) -> Result<(), Cancelled> {
         self.obstacles.resize(mesh.patch_count(), None);
         let is_new = |leaf: &&PatchId| self.obstacles[leaf.index()].is_none();
         let looked_around = |&leaf: &PatchId| {
+            report()?;
             let around = mesh.patch(leaf).parent.and_then(|parent| self.around(mesh, parent));
-            (leaf, self.light.obstacles(mesh, leaf, around))
+            Ok((leaf, self.light.obstacles(mesh, leaf, around)))
         };
-        let found: Vec<(PatchId, Obstacles)> = leaves.par_iter().filter(is_new).map(looked_around).collect();
+        let found = leaves.par_iter().filter(is_new).map(looked_around).collect::<Result<Vec<_>, Cancelled>>()?;
         for (leaf, obstacles) in found {
             self.obstacles[leaf.index()] = Some(obstacles);
             // Both parts of a patch that is split are new at one time: no one asks for what is around it any more.
@@ -48,6 +55,7 @@ impl Field for Direct<'_> {
                 self.obstacles[parent.index()] = None;
             }
         }
+        Ok(())
     }
 
     fn at(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> Rgb {
@@ -77,7 +85,7 @@ mod tests {
         let mut in_penumbra = 0;
         for _ in 0..7 {
             let leaves: Vec<PatchId> = mesh.leaves().collect();
-            field.look_around(&mesh, &leaves);
+            field.look_around(&mesh, &leaves, &|| Ok(())).unwrap();
             for &leaf in &leaves {
                 let corners = mesh.corners(leaf).map(|corner| mesh.vertex_m(corner));
                 for at_m in corners.chain([mesh.patch(leaf).centroid_m]) {

@@ -28,7 +28,17 @@ const POINTS_A_REPORT: usize = 16;
 /// Irradiance as a function of the place.
 pub(super) trait Field: Sync {
     /// Prepares the evaluation at many points of these leaves.
-    fn look_around(&mut self, _: &Mesh, _leaves: &[PatchId]) {}
+    ///
+    /// # Errors
+    /// [`Cancelled`] where `report`, which is called for each of them, asks to stop.
+    fn look_around(
+        &mut self,
+        _: &Mesh,
+        _leaves: &[PatchId],
+        _report: &(impl Fn() -> Result<(), Cancelled> + Sync),
+    ) -> Result<(), Cancelled> {
+        Ok(())
+    }
 
     /// Irradiance at a point of `patch`, in W/m2.
     fn at(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> Rgb;

@@ -93,7 +93,9 @@ pub(super) fn refine(
         let is_stale = |leaf: PatchId| points_of[leaf.index()].is_none_or(|points| points != mesh.boundary_count(leaf));
         let stale: Vec<Outlined> =
             leaves.par_iter().filter(|leaf| is_stale(**leaf)).map(|&leaf| Outlined::of(mesh, leaf)).collect();
-        field.look_around(mesh, &stale.iter().map(|leaf| leaf.patch).collect::<Vec<_>>());
+        let looked_at = refined.values.as_slice().len();
+        let patches: Vec<PatchId> = stale.iter().map(|leaf| leaf.patch).collect();
+        field.look_around(mesh, &patches, &|| progress.report(Stage::Shade, looked_at, 0))?;
         let field = &*field;
         let requests = stale.par_iter().flat_map_iter(|leaf| leaf.requests(mesh, places)).collect();
         refined.values.evaluate(mesh, field, requests, Stage::Shade, progress)?;

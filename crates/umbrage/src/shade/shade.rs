@@ -78,8 +78,13 @@ struct Total<'a> {
 }
 
 impl Field for Total<'_> {
-    fn look_around(&mut self, mesh: &Mesh, leaves: &[PatchId]) {
-        self.direct.look_around(mesh, leaves);
+    fn look_around(
+        &mut self,
+        mesh: &Mesh,
+        leaves: &[PatchId],
+        report: &(impl Fn() -> Result<(), Cancelled> + Sync),
+    ) -> Result<(), Cancelled> {
+        self.direct.look_around(mesh, leaves, report)
     }
 
     fn at(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> Rgb {

@@ -68,9 +68,10 @@ impl<'a> DirectLight<'a> {
         self.at_past(receiver, None)
     }
 
-    /// What may stand between a patch and each emitter; where those of a patch around it are given, it is found among them.
+    /// What may stand between a patch and each emitter; where those of a patch around it are given, it is found among them. Nothing is
+    /// looked for where emitters are too many, or what points see of them is known.
     pub fn obstacles(&self, mesh: &Mesh, patch: PatchId, around: Option<&Obstacles>) -> Obstacles {
-        if self.emitters.len() > MOST_EMITTERS {
+        if self.emitters.len() > MOST_EMITTERS || matches!(self.memory, SourceMemory::Known(_)) {
             return Obstacles::default();
         }
         let receiver = SourcePolygon::on_face(self.prepared, mesh.patch(patch).face, mesh.polygon_m(patch));
