@@ -84,8 +84,7 @@ pub fn factor_of_seen(
         let above = view.above_horizon(&source.corners_m);
         return factor(above.as_deref().unwrap_or(&source.corners_m)).max(0.0);
     }
-    let seen = visibility.beam(receiver, view, source).map(|beam| visibility.seen_in(beam, among));
-    seen.map_or(0.0, |seen| seen.measure(factor).max(0.0))
+    visibility.seen(receiver, view, source, among).measure(factor).max(0.0)
 }
 
 /// A patch as the estimate sees it: a disc.

@@ -161,10 +161,18 @@ impl Visibility {
         if receiver.plane == source.plane { None } else { PlaneView::new(receiver, &source.frame) }
     }
 
-    /// What `receiver` sees of `source`.
-    pub fn seen(&self, receiver: &ReceiverPoint, source: &FlatSource) -> Seen {
-        let beam = self.view(receiver, source).and_then(|view| self.beam(receiver, view, source));
-        beam.map(|beam| self.seen_in(beam, None)).unwrap_or_default()
+    /// What `receiver` sees of `source`, the view of whose plane is given, past some faces, or past all where none are given.
+    pub fn seen(
+        &self,
+        receiver: &ReceiverPoint,
+        view: PlaneView,
+        source: &FlatSource,
+        among: Option<&[FaceId]>,
+    ) -> Seen {
+        let Some(beam) = self.beam(receiver, view, source) else { return Seen::default() };
+        let mut thrown = Thrown::default();
+        self.walk_beam(&beam, among, |face| self.throw(&beam, face, &mut thrown));
+        beam.less(thrown)
     }
 
     /// The beam from a point over what of a source is above its horizon; `None` where that is nothing.
@@ -193,14 +201,7 @@ impl Visibility {
         between
     }
 
-    /// What is seen in a beam past some faces, or past all where none are given.
-    pub fn seen_in(&self, beam: Beam<'_>, among: Option<&[FaceId]>) -> Seen {
-        let mut thrown = Thrown::default();
-        self.walk_beam(&beam, among, |face| self.throw(&beam, face, &mut thrown));
-        beam.less(thrown)
-    }
-
-    /// The same past faces that are known to be [`Self::between`].
+    /// What is seen in a beam past the faces that are [`Self::between`].
     pub fn seen_past(&self, beam: Beam<'_>, between: &[FaceId]) -> Seen {
         let mut thrown = Thrown::default();
         // Stops where nothing is left to be seen.
@@ -286,7 +287,8 @@ mod tests {
     impl Stage {
         fn seen_from(&self, face: usize, near: DVec3) -> Seen {
             let receiver = ReceiverPoint::on_face(&self.prepared, FaceId::from(face), near);
-            self.index.seen(&receiver, &self.source)
+            let view = self.index.view(&receiver, &self.source);
+            view.map(|view| self.index.seen(&receiver, view, &self.source, None)).unwrap_or_default()
         }
 
         fn share_from_face(&self, face: usize, near: DVec3) -> f64 {

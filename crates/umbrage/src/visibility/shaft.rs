@@ -128,7 +128,7 @@ fn add_side_planes(inward: &mut Vec<Plane>, edges: &[DVec3], corners: &[DVec3], 
 #[cfg(test)]
 mod tests {
     use super::super::fixture::{self, square};
-    use super::super::{FlatSource, ReceiverPoint, Seen};
+    use super::super::{FlatSource, ReceiverPoint};
     use super::*;
     use crate::geometry::polygon;
     use proptest::prelude::*;
@@ -163,7 +163,9 @@ mod tests {
             let [receiver, source] = [0, 1].map(|face| SourcePolygon::of_face(&prepared, FaceId::from(face)));
             if !index.may_be_blocked(&receiver, &source) {
                 let point = ReceiverPoint::on_face(&prepared, FaceId::from(0), DVec3::new(x, y, 0.0));
-                let seen = index.seen(&point, &FlatSource::of_face(&prepared, FaceId::from(1)));
+                let lamp = FlatSource::of_face(&prepared, FaceId::from(1));
+                let view = index.view(&point, &lamp);
+                let seen = view.map(|view| index.seen(&point, view, &lamp, None)).unwrap_or_default();
                 prop_assert!(seen.whole && seen.shadows.is_empty() && !seen.is_nothing());
             }
         }
@@ -195,9 +197,8 @@ mod tests {
                     let at_m = DVec3::new(0.5 * x + s * half, 0.5 * y + t * half, 0.0) - prepared.origin_m;
                     let point = ReceiverPoint::on_face(&prepared, floor, at_m);
                     let Some(view) = index.view(&point, &flat) else { continue };
-                    let seen = |among| index.beam(&point, view, &flat).map(|beam| index.seen_in(beam, among));
-                    let area = |seen: Seen| seen.measure(polygon::signed_area_2d_m2);
-                    let [past_some, past_all] = [seen(Some(among.as_slice())), seen(None)].map(|seen| seen.map_or(0.0, area));
+                    let area = |among| index.seen(&point, view, &flat, among).measure(polygon::signed_area_2d_m2);
+                    let [past_some, past_all] = [area(Some(among.as_slice())), area(None)];
                     prop_assert!((past_some - past_all).abs() < 1e-12, "{past_some} is not {past_all}");
                 }
             }
