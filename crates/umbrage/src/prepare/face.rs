@@ -71,6 +71,18 @@ pub struct Face {
     pub sides: Vec<Side>,
 }
 
+/// A narrow strip beyond an edge of a face, in its plane: area that is hidden, as the floor under a wall, and that continues
+/// what the face shows, so that rounding on the way to the screen opens no crack and shows no dark.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rim {
+    /// The edge.
+    pub edge: EdgeId,
+    /// The face that ends there.
+    pub face: FaceId,
+    /// How far the strip reaches beyond the edge, in metres.
+    pub width_m: f64,
+}
+
 /// What `prepare` mended, counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PrepareReport {
@@ -113,6 +125,8 @@ pub struct Prepared {
     pub edges: Table<EdgeId, Edge>,
     /// Faces.
     pub faces: Table<FaceId, Face>,
+    /// Rims beyond edges of faces, by edge and face; none where no area is hidden.
+    pub rims: Vec<Rim>,
     /// What was mended.
     pub report: PrepareReport,
 }
