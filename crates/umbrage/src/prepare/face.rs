@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 use super::Skin;
+use super::rim::TAPER;
 use crate::geometry::{Plane, PlaneFrame, Tolerance};
 use crate::id::{EdgeId, FaceId, MaterialId, PlaneId, SkinId, SurfaceId, Table, VertexId};
 
@@ -81,6 +82,13 @@ pub struct Rim {
     pub face: FaceId,
     /// How far the strip reaches beyond the edge, in metres.
     pub width_m: f64,
+}
+
+impl Rim {
+    /// By how much the far side of the strip is shorter at each end, in metres.
+    pub fn taper_m(&self) -> f64 {
+        TAPER * self.width_m
+    }
 }
 
 /// What `prepare` mended, counted.
@@ -225,6 +233,11 @@ impl Prepared {
     /// Whether a face is part of a smooth surface.
     pub fn is_smooth(&self, face: FaceId) -> bool {
         self.faces[face].skin.is_some_and(|skin| self.skins[skin].is_smooth())
+    }
+
+    /// Whether what a face shows goes on in a rim beyond an edge.
+    pub fn has_rim(&self, edge: EdgeId, face: FaceId) -> bool {
+        self.rims.binary_search_by_key(&(edge, face), |rim| (rim.edge, rim.face)).is_ok()
     }
 
     /// Checks what the head of this file promises.

@@ -22,8 +22,8 @@ pub(super) const RIM_OF_EXTENT: f64 = 1e-3;
 pub(super) const TAPER: f64 = 1.25;
 /// A rim's edge is this many widths long at least.
 const MIN_LENGTH_OF_WIDTH: f64 = 4.0;
-/// A hidden piece that is narrower than the rim halved so often has none.
-const MAX_HALVINGS: u8 = 10;
+/// A hidden piece that is narrower than the rim halved so often has none: vertices must stay farther apart than they are welded.
+const MAX_HALVINGS: u8 = 7;
 
 /// How often the width of a rim is halved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
