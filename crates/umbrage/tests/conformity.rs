@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use umbrage::bake::{BakeSettings, bake};
 use umbrage::id::{MaterialId, NodeId};
+use umbrage::prepare::PrepareSettings;
 use umbrage::progress::Progress;
 use umbrage::scene::{Lamp, LampKind, Material, Node, Rgb, Scene, Surface};
 
