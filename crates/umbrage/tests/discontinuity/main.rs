@@ -17,3 +17,5 @@ mod light;
 mod proof;
 mod random;
 mod secondary;
+mod two_sided;
+mod two_sided_scenes;
