@@ -92,7 +92,7 @@ fn bulb(position_m: DVec3) -> Lamp {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
     fn a_scene_made_double_sided_has_all_d_segments_that_it_had(seed in 0..u64::MAX) {
@@ -145,7 +145,7 @@ fn mirrored(random: &mut Random) -> Scene {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(16))]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn a_sheet_of_light_casts_to_both_sides_alike(seed in 0..u64::MAX) {
