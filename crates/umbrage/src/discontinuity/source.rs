@@ -69,8 +69,8 @@ impl SourceEdge {
             let seen = || self.beside.iter().filter(on_side);
             let Some(most) = seen().map(lean).reduce(f64::max) else { return behind };
             // The two sides of a sheet are at one place: the one that is turned to the eye is seen.
-            let nearest = || seen().filter(|face| lean(face) >= most - STRAIGHT_SINE);
-            nearest().find(|face| face.normal.dot(to_eye) > 0.0).map_or(Rgb::ZERO, |face| face.radiance)
+            let mut nearest = seen().filter(|face| lean(face) >= most - STRAIGHT_SINE);
+            nearest.find(|face| face.normal.dot(to_eye) > 0.0).map_or(Rgb::ZERO, |face| face.radiance)
         })
     }
 
