@@ -72,7 +72,7 @@ pub struct Face {
 }
 
 /// What `prepare` mended, counted.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PrepareReport {
     /// Polygons of the input.
     pub polygons: usize,
@@ -94,6 +94,8 @@ pub struct PrepareReport {
     pub overlaps: usize,
     /// Cuts that rounding left no room for, and that were left out.
     pub dropped_cuts: usize,
+    /// Share of the area of all sides that is hidden, 0 to 1: sides that no light reaches and nobody can see, and that have no faces.
+    pub hidden_share: f64,
 }
 
 /// The prepared scene.

@@ -35,11 +35,13 @@ pub struct PrepareSettings {
     pub cut_contacts: bool,
     /// Whether faces that stand for a smooth surface, by the normals of their corners, are shaded as one.
     pub smooth: bool,
+    /// Whether sides that no light reaches and nobody can see become faces, too.
+    pub keep_hidden: bool,
 }
 
 impl Default for PrepareSettings {
     fn default() -> Self {
-        Self { cut_contacts: true, smooth: true }
+        Self { cut_contacts: true, smooth: true, keep_hidden: false }
     }
 }
 
