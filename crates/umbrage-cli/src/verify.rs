@@ -112,12 +112,15 @@ fn describe(report: &Report, baked: &BakedFile, seconds: f64) -> String {
         let _ = writeln!(text, "{name:<12}  {value}");
     };
     let (error, bias) = (report.error, report.bias);
-    line("error", format!("{} +- {} of the mean, rms", percent(error.value), percent(error.standard_error)));
-    line("bias", format!("{:+.3} % +- {}", 100.0 * bias.value, percent(bias.standard_error)));
+    let uncertain = percent(error.standard_error);
+    line("error", format!("{} +- {uncertain} of the mean irradiance at these points, rms", percent(error.value)));
+    line("bias", format!("{:+.3} % +- {} of it", 100.0 * bias.value, percent(bias.standard_error)));
     line("noise", format!("{} of this check, rms, taken off the error", percent(report.noise)));
     let own = baked.extras.get("error").and_then(serde_json::Value::as_f64);
-    line("estimate", own.map_or("none".into(), |own| format!("{} between vertices, by the bake itself", percent(own))));
-    line("mean", format!("{} W/m2", rounded(report.mean_irradiance)));
+    let own =
+        own.map(|own| format!("{} of the bake's own mean, by interpolation between vertices alone", percent(own)));
+    line("estimate", own.unwrap_or_else(|| "none".into()));
+    line("mean", format!("{} W/m2 at these points, by paths", rounded(report.mean_irradiance)));
     let dark = count(report.dark, "dark one|dark ones");
     line("points", format!("{}, {dark}; {} buried and left out", grouped(report.compared), grouped(report.buried)));
     if report.uncovered > 0 {

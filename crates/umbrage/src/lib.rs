@@ -33,6 +33,8 @@ pub mod shade;
 
 mod settings;
 
+mod bake_warning;
+
 pub mod bake;
 
 pub mod rebake;
