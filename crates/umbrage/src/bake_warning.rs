@@ -63,16 +63,17 @@ impl BakeWarning {
         let mut warnings = Vec::new();
         let imbalance = energy.error();
         // What is no number is no good either.
-        if !(imbalance.abs() <= MAX_ENERGY_ERROR) {
+        let exceeds = |figure: f64, most: f64| figure > most || figure.is_nan();
+        if exceeds(imbalance.abs(), MAX_ENERGY_ERROR) {
             warnings.push(Self::EnergyOutOfBalance { error: imbalance });
         }
         let is_limited = asked.max_triangles != ShadeSettings::default().max_triangles;
-        if !(error <= MAX_ERROR_ESTIMATE) {
+        if exceeds(error, MAX_ERROR_ESTIMATE) {
             warnings.push(Self::LightNotResolved { error });
         } else if error > asked.tolerance && !is_limited {
             warnings.push(Self::ToleranceNotReached { error, tolerance: asked.tolerance });
         }
-        if !(residual <= MAX_RESIDUAL) {
+        if exceeds(residual, MAX_RESIDUAL) {
             warnings.push(Self::NotConverged { residual, iterations });
         }
         warnings
