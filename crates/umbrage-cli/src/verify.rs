@@ -120,7 +120,7 @@ fn describe(report: &Report, baked: &BakedFile, seconds: f64) -> String {
         let _ = writeln!(text, "{name:<12}  {value}");
     };
     let (error, bias) = (report.error, report.bias);
-    line("error", format!("{} of the mean irradiance at these points, rms", measured(error)));
+    line("error", measured(error));
     line("bias", format!("{:+.3} % +- {} of it", 100.0 * bias.value, percent(bias.standard_error)));
     line("noise", format!("{} of this check, rms, taken off the error", percent(report.noise)));
     let own = baked.extras.get("error").and_then(serde_json::Value::as_f64);
@@ -144,16 +144,18 @@ fn describe(report: &Report, baked: &BakedFile, seconds: f64) -> String {
     text
 }
 
-/// An error with its standard error. Where noise hides it, its bound is told, and that it is no more than a bound.
+/// An error with its standard error; where noise hides it, with a bound.
 fn measured(error: Estimate) -> String {
-    let told = format!("{} +- {}", percent(error.value), percent(error.standard_error));
+    let told = format!(
+        "{} +- {} of the mean irradiance at these points, rms",
+        percent(error.value),
+        percent(error.standard_error)
+    );
     if error.value >= error.standard_error {
         return told;
     }
-    format!(
-        "below about {} ({told}: noise hides it, more --paths tell it)",
-        percent(error.value + SURE * error.standard_error)
-    )
+    let bound = percent(error.value + SURE * error.standard_error);
+    format!("{told}: below about {bound}, noise hides how much; more --paths measure it")
 }
 
 /// A point, with what the bake shows there and what paths tell.
@@ -176,9 +178,9 @@ mod tests {
     #[test]
     fn an_error_that_noise_hides_is_told_as_a_bound() {
         let told = |value: f64, standard_error: f64| measured(Estimate { value, standard_error });
-        assert_eq!(told(0.005, 0.001), "0.500 % +- 0.100 %");
-        assert_eq!(told(0.0, 0.0), "0.000 % +- 0.000 %");
+        assert_eq!(told(0.005, 0.001), "0.500 % +- 0.100 % of the mean irradiance at these points, rms");
+        assert!(told(0.0, 0.0).ends_with("rms"), "what is exact hides nothing");
         let hidden = told(0.0, 0.56);
-        assert!(hidden.starts_with("below about 112.000 % (0.000 % +- 56.000 %"), "{hidden}");
+        assert!(hidden.starts_with("0.000 % +- 56.000 %") && hidden.contains("below about 112.000 %"), "{hidden}");
     }
 }
