@@ -100,7 +100,8 @@ fn counts_settings_and_energy_are_those_of_the_bake() {
         (Some(vertices), Some(triangles))
     );
     assert_eq!(told["output_bytes"].as_u64(), Some(fs::metadata(&baked).unwrap().len()));
-    assert_eq!(told["counts"]["d_segments"], serde_json::json!([0, 4, 4]), "umbra and penumbra lines of four edges");
+    // Edges of lamp and plate are parallel, so all of an edge is seen at once: the slope of light jumps, at umbra and penumbra.
+    assert_eq!(told["counts"]["d_segments"], serde_json::json!([0, 8, 0]));
     let settings = &told["settings"];
     assert_eq!((settings["tolerance"].as_f64(), settings["exposure"].as_f64()), (Some(0.03), Some(0.5)));
     assert_eq!((&settings["keep_hidden"], &settings["max_triangles"]), (&Value::Bool(true), &Value::Null));
