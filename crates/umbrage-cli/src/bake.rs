@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 use bytesize::ByteSize;
 use clap::Args;
-use umbrage::bake::{self, BakeSettings};
+use umbrage::bake::{self, BakeSettings, Report};
 use umbrage::progress::Progress;
 use umbrage::scene::Scene;
 use umbrage_formats::{Written, choose_nodes, write_baked_glb};
@@ -16,11 +16,12 @@ use crate::interrupt::{Interrupted, Kept};
 use crate::light::Fluxes;
 use crate::limits::{Limits, memory_limit, time_limit};
 use crate::method::{MethodArgs, facts, positive, share};
-use crate::output::{self, Output};
+use crate::output::Output;
+use crate::report::{Asked, Reported, ReportedWarning};
 use crate::reuse::Reuse;
 use crate::scene_file::SceneArgs;
 use crate::steps::{Step, Wishes, bake_in_steps, bake_in_steps_by};
-use crate::{interrupt, summary};
+use crate::{interrupt, report, summary};
 
 const HELP: &str = "\
 Examples:
@@ -32,11 +33,14 @@ Examples:
   umbrage bake room.glb -o early.glb --progressive
   umbrage bake room.glb -o baked.glb --reuse room.umbrage
   umbrage bake room.glb -o brighter.glb --exposure 2.5
+  umbrage bake room.glb -o baked.glb --report baked.json
   umbrage bake room.glb -o room-only.glb --skip car
   umbrage bake house.obj -o house.glb --unit mm --emit lamp=12,11,9
 
 A scene needs at least one material that gives light (glTF: emissiveFactor, in Blender: Emission; OBJ: Ke; MGF: ed). \
 Where the file has none, --emit gives it, or a TOML beside the scene (for room.glb: room.umbrage.toml):
+
+  double_sided = false        # all materials but those below that say otherwise
 
   [materials.lamp]
   emission = [12, 11, 9]      # radiance in W/(m2 sr); one number is for red, green and blue
@@ -64,6 +68,8 @@ step is given up when all but an eighth and 8 MiB of SIZE is held; these are for
 --reuse FILE is for trying lamps and colours: the first bake writes FILE, every later one takes it up, whatever \
 changed of emission, reflectance and lamps since. FILE stays as it is until surfaces or options change; it may be \
 deleted at any time. It keeps what one tolerance finds, and so does not go with a bake in steps.
+
+--report FILE.json has all that the summary says, and each warning, for programs: docs/report.md explains its keys.
 
 Units are metres and W/m2; a surface is lit on its front, unless its material is double-sided.";
 
@@ -104,6 +110,9 @@ pub(crate) struct BakeArgs {
     /// time. Where there is no such file, or surfaces or options are others, bake as if there were none, and write it
     #[arg(long, value_name = "FILE", conflicts_with_all = ["time_limit", "memory_limit", "progressive"])]
     reuse: Option<PathBuf>,
+    /// Write what the summary says as JSON, with settings, times and warnings; replaced if it exists
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     reading: SceneArgs,
     #[command(flatten)]
@@ -123,8 +132,14 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
             reuse.display()
         );
     }
+    if let Some(report) = &args.report {
+        let materials = args.reading.materials_path(&args.scene);
+        let others = [&args.scene, &args.output, &materials].into_iter().chain(&args.reuse);
+        report::check(report, &others.map(PathBuf::as_path).collect::<Vec<_>>())?;
+    }
     let begin = Instant::now();
-    let mut scene = args.reading.read(&args.scene, args.max_reflectance)?;
+    let (mut scene, read) = args.reading.read_and_warn(&args.scene, args.max_reflectance)?;
+    let mut warnings: Vec<ReportedWarning> = read.iter().map(ReportedWarning::of_scene).collect();
     choose_nodes(&mut scene, &args.only, &args.skip)?;
     let scene = Arc::new(scene);
     let limits = Arc::new(Limits::new(begin, args.time_limit, args.memory_limit)?);
@@ -160,29 +175,53 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     let written = written.map_or_else(|| write(&step), Ok)?;
     let why_coarser = limit.map(|limit| limits.why_coarser(limit, asked.shade.tolerance));
     if let (Some(why), Some(limit)) = (&why_coarser, limit) {
-        let (file, way_out) = (args.output.display(), limit.way_out());
-        output::warning(&format!("{why}: {file} has {}. {way_out} gets nearer to it", quality(&step)));
+        let text = format!("{why}: it has {}. {} gets nearer to it", quality(&step), limit.way_out());
+        warnings.push(ReportedWarning::of_limits(text).told(&args.output));
     }
     if let Some(guessed) = summary::guessed(&step.bake.report.prepare) {
-        output::warning(&format!("{}: {guessed}", args.scene.display()));
+        warnings.push(ReportedWarning::of_scene(&guessed).told(&args.scene));
     }
+    warnings.extend(warn_of(&step.bake.report, &args.output));
     let as_large = || {
         let is_coarser = asked.shade.tolerance > BakeSettings::default().shade.tolerance;
         (is_coarser && !args.method.has_tolerance())
             .then(|| "for so many polygons; --tolerance asks for less".to_owned())
     };
     let coarser = why_coarser.or_else(as_large).map(|why| format!("{}: {why}", step.settings.shade.tolerance));
-    let summary = summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, begin.elapsed(), coarser);
+    let elapsed = begin.elapsed();
+    let summary = summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, elapsed, coarser, warnings.len());
     output.say(&format!("{summary}Wrote {} ({})", args.output.display(), summary::bytes(written.bytes)))?;
+    if let Some(path) = &args.report {
+        let asked =
+            Asked { tolerance: asked.shade.tolerance, exposure: args.exposure, max_reflectance: args.max_reflectance };
+        let reported = Reported {
+            input: &args.scene,
+            output: &args.output,
+            scene: &scene,
+            report: &step.bake.report,
+            settings: &step.settings,
+            asked: &asked,
+            written: &written,
+            elapsed,
+            warnings: &warnings,
+        };
+        let bytes = report::write(path, &reported)?;
+        output.say(&format!("Wrote {} ({})", path.display(), summary::bytes(bytes)))?;
+    }
     reuse.map_or(Ok(()), |reuse| reuse.finish(output))
+}
+
+/// Prints the warnings about a result that is in `file`.
+pub(crate) fn warn_of(report: &Report, file: &Path) -> Vec<ReportedWarning> {
+    report.warnings.iter().map(|warning| ReportedWarning::of_bake(warning).told(file)).collect()
 }
 
 /// How good a step is.
 fn quality(step: &Step) -> String {
     format!(
-        "the light at tolerance {}, in error by {:.2} % of the mean light between vertices (estimate), with {}",
+        "the light at tolerance {}, between vertices in error by {} (estimate), with {}",
         step.settings.shade.tolerance,
-        100.0 * step.bake.report.error,
+        summary::share_of_mean(&step.bake.report),
         summary::count(step.bake.report.triangles, "triangle")
     )
 }

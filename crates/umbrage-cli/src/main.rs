@@ -19,6 +19,7 @@ mod memory;
 mod page;
 mod progress;
 mod render;
+mod report;
 mod reuse;
 mod steps;
 mod summary;

@@ -106,7 +106,7 @@ fn a_step_that_memory_is_too_little_for_is_given_up_and_the_one_before_is_kept()
         assert_eq!(fs::read(&limited).unwrap(), fs::read(&alone).unwrap());
         let (told, warned) = (String::from_utf8_lossy(&done.stdout), err(&done));
         assert!(warned.starts_with("warning: the memory limit of ") && warned.contains("was reached"), "{warned}");
-        assert!(warned.contains(&format!("at tolerance {first}, in error by 0.")), "{warned}");
+        assert!(warned.contains(&format!("at tolerance {first}, between vertices in error by 0.")), "{warned}");
         assert!(told.contains(&format!("tolerance     {first}: the memory limit of ")), "{told}");
     }
 }

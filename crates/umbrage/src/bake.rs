@@ -35,6 +35,8 @@ use crate::transport::{
 };
 use crate::visibility::{AtPoints, Memory, Notes, Visibility};
 
+use crate::bake_warning::Figures;
+pub use crate::bake_warning::{BakeWarning, MAX_ENERGY_ERROR, MAX_ERROR_ESTIMATE, MAX_RESIDUAL};
 pub use crate::settings::BakeSettings;
 
 /// What a bake did.
@@ -66,7 +68,8 @@ pub struct Report {
     pub triangles: usize,
     /// Triangles flat as a needle that were taken out of it; what lies beside them closed the gap.
     pub flat_triangles: usize,
-    /// Estimated root mean square error of linear interpolation over the mean irradiance.
+    /// Estimated root mean square error of linear interpolation between vertices over the mean irradiance of all faces; of sides that
+    /// are hidden there are no faces. Errors of the light at the vertices are not in it.
     pub error: f64,
     /// Iterations of the solution.
     pub iterations: usize,
@@ -76,6 +79,8 @@ pub struct Report {
     pub energy: EnergyAccount,
     /// Seconds of each stage, in order.
     pub seconds: Vec<(Stage, f64)>,
+    /// Where the result is not as good as it should be.
+    pub warnings: Vec<BakeWarning>,
 }
 
 impl Report {
@@ -318,7 +323,10 @@ pub(crate) fn show(
     check(|| shaded.mesh.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Shade);
 
+    let figures =
+        Figures { energy: &energy, error: shaded.error, residual: solution.residual, iterations: solution.iterations };
     let report = Report {
+        warnings: BakeWarning::about(figures, settings.shade),
         prepare: prepared.report.clone(),
         faces: prepared.faces.len(),
         d_segments: discontinuities.count_by_degree(),

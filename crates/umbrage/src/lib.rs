@@ -35,6 +35,8 @@ pub mod shade;
 
 mod settings;
 
+mod bake_warning;
+
 pub mod bake;
 
 pub mod rebake;

@@ -9,6 +9,7 @@ mod fit;
 pub mod form_factor;
 mod lamps;
 mod link;
+mod near_emitters;
 mod obstacles;
 mod oracle;
 mod pairs;
