@@ -187,16 +187,17 @@ mod tests {
 
     #[test]
     fn a_hint_near_the_boundary_waits_until_patches_are_small_enough() {
-        // At 1 cm from the border of 1 m: less than a snap there.
-        let mut mesh = square_with(&[(DVec2::new(0.0, 0.01), DVec2::new(1.0, 0.01), Degree::D1)]);
+        // Half a snap from the border.
+        let y = 0.5 * D1_SNAP;
+        let mut mesh = square_with(&[(DVec2::new(0.0, y), DVec2::new(1.0, y), Degree::D1)]);
         assert!(!mesh.edge_split(first()) && mesh.patch(first()).edge_hints().len() == 1);
         for _ in 0..200 {
-            let lies_there = |&leaf: &crate::id::PatchId| !mesh.patch(leaf).edge_hints().is_empty();
+            let lies_there = |&leaf: &PatchId| !mesh.patch(leaf).edge_hints().is_empty();
             let Some(leaf) = mesh.leaves().find(lies_there) else { break };
             assert!(mesh.split(leaf));
         }
         assert!(mesh.leaves().all(|leaf| mesh.patch(leaf).edge_hints().is_empty()), "all of it is cut");
-        let is_on_it = |v: usize| (mesh.vertex_m(v.into()).y - 0.01).abs() < 1e-6;
+        let is_on_it = |v: usize| (mesh.vertex_m(v.into()).y - y).abs() < 1e-6;
         assert!((0..mesh.vertex_count()).filter(|&v| is_on_it(v)).count() >= 4);
     }
 
