@@ -35,4 +35,6 @@ mod settings;
 
 pub mod bake;
 
+pub mod groundwork;
+
 pub mod rebake;

@@ -10,6 +10,7 @@
 use glam::{DVec2, DVec3};
 
 use super::patch::{BoundaryPoint, Cut, on_one_side};
+use super::split::Attempt;
 use super::{EdgeHint, Mesh};
 use crate::discontinuity::Degree;
 use crate::geometry::clip;
@@ -37,6 +38,11 @@ impl End {
             Self::Inside(before, _) => BoundaryPoint { corner: false, ..before },
         }
     }
+
+    /// How many triangles more its vertex makes.
+    fn cost(&self, mesh: &Mesh) -> usize {
+        if let Self::Inside(before, _) = self { mesh.edges.beside(before.leaf.edge) } else { 0 }
+    }
 }
 
 impl Mesh {
@@ -44,19 +50,25 @@ impl Mesh {
     pub(super) fn along_m(&self, patch: PatchId, degree: Degree) -> f64 {
         let size_m = self.patches[patch].area_m2.max(0.0).sqrt();
         match degree {
-            Degree::D0 => self.least_edge_m,
-            Degree::D1 => self.least_edge_m.max(D1_SNAP * size_m),
-            Degree::D2 => self.least_edge_m.max(D2_SNAP * size_m),
+            Degree::D0 => self.finest_of(patch),
+            Degree::D1 => self.finest_of(patch).max(D1_SNAP * size_m),
+            Degree::D2 => self.finest_of(patch).max(D2_SNAP * size_m),
         }
     }
 
-    /// Splits a leaf along its first edge hint. False where the hint runs along one side: it is then dropped.
-    pub(super) fn edge_split(&mut self, patch: PatchId) -> bool {
-        let hint = self.patches[patch].edge_hints.remove(0);
-        let Some(ends) = self.chord_of(patch, &hint) else { return false };
-        if on_one_side(&ends[0].place(), &ends[1].place(), self.patches[patch].sides.len()) {
-            return false;
+    /// Splits a leaf along its first edge hint, if that makes no more than `room` triangles. It stays whole where the hint
+    /// runs along one side: the hint is then dropped.
+    pub(super) fn edge_split(&mut self, patch: PatchId, room: usize) -> Attempt {
+        let sides = self.patches[patch].sides.len();
+        let chord = self.chord_of(patch, &self.patches[patch].edge_hints[0]);
+        let Some(ends) = chord.filter(|ends| !on_one_side(&ends[0].place(), &ends[1].place(), sides)) else {
+            self.patches[patch].edge_hints.remove(0);
+            return Attempt::Whole;
+        };
+        if ends.iter().map(|end| end.cost(self)).sum::<usize>() > room {
+            return Attempt::NoRoom;
         }
+        let hint = self.patches[patch].edge_hints.remove(0);
         let vertices = ends.map(|end| match end {
             End::Point(point) => point.vertex,
             End::Inside(before, at) => self.split_edge(before.leaf.edge, at),
@@ -69,7 +81,7 @@ impl Mesh {
         if hint.degree == Degree::D0 {
             self.mark_jump(patch);
         }
-        true
+        Attempt::Split
     }
 
     /// The two places where the prolonged hint meets the boundary of the patch.
@@ -81,11 +93,18 @@ impl Mesh {
         let boundary = self.boundary(patch);
         let frame = self.frame(self.patches[patch].face);
         let corners_m: Vec<DVec2> = boundary.iter().map(|p| frame.to_2d(self.vertex_m(p.vertex))).collect();
-        Some([t0, t1].map(|t| self.end_at(from.lerp(to, t), &boundary, &corners_m, snap_m)))
+        let finest_m = self.finest_of(patch);
+        Some([t0, t1].map(|t| self.end_at(from.lerp(to, t), &boundary, &corners_m, [snap_m, finest_m])))
     }
 
     /// The boundary point next to `at`, or else the place inside the leaf edge that `at` lies on.
-    fn end_at(&self, at: DVec2, boundary: &[BoundaryPoint], corners_m: &[DVec2], snap_m: f64) -> End {
+    fn end_at(
+        &self,
+        at: DVec2,
+        boundary: &[BoundaryPoint],
+        corners_m: &[DVec2],
+        [snap_m, finest_m]: [f64; 2],
+    ) -> End {
         let n = boundary.len();
         let nearest = |distance: &dyn Fn(usize) -> f64| {
             (0..n).map(|i| (distance(i), i)).min_by(|p, q| p.0.total_cmp(&q.0)).unwrap_or((f64::INFINITY, 0))
@@ -102,9 +121,9 @@ impl Mesh {
         let (_, i) = nearest(&|i| foot(i).1);
         let ends = [boundary[i].vertex, boundary[(i + 1) % n].vertex].map(|vertex| self.vertex_m(vertex));
         let point = ends[0].lerp(ends[1], foot(i).0);
-        if point.distance(ends[0]) < self.least_edge_m {
+        if point.distance(ends[0]) < finest_m {
             End::Point(boundary[i])
-        } else if point.distance(ends[1]) < self.least_edge_m {
+        } else if point.distance(ends[1]) < finest_m {
             End::Point(boundary[(i + 1) % n])
         } else {
             End::Inside(boundary[i], point)
@@ -129,7 +148,7 @@ mod tests {
             (DVec2::new(0.0, 0.3), DVec2::new(1.0, 0.3), Degree::D2),
             (DVec2::new(0.4, 0.0), DVec2::new(0.4, 1.0), Degree::D1),
         ]);
-        assert!(mesh.edge_split(first()));
+        assert_eq!(mesh.edge_split(first(), usize::MAX), Attempt::Split);
         let Some(subpatches) = mesh.patch(first()).subpatches else { panic!("not split") };
         let mut areas = subpatches.map(|part| mesh.patch(part).area_m2);
         areas.sort_by(f64::total_cmp);
@@ -143,7 +162,7 @@ mod tests {
     #[test]
     fn a_hint_that_ends_inside_is_prolonged_to_a_chord() {
         let mut mesh = square_with(&[(DVec2::new(0.2, 0.5), DVec2::new(0.6, 0.5), Degree::D1)]);
-        assert!(mesh.edge_split(first()));
+        assert_eq!(mesh.edge_split(first(), usize::MAX), Attempt::Split);
         let new: Vec<DVec3> = (4..6).map(|i| mesh.vertex_m(i.into())).collect();
         assert!(new.iter().all(|v| v.y == 0.5 && (v.x == 0.0 || v.x == 1.0)), "{new:?}");
     }
@@ -152,10 +171,10 @@ mod tests {
     fn an_end_next_to_a_corner_snaps_but_not_for_degree_0() {
         let ends = (DVec2::new(0.01, 0.0), DVec2::new(1.0, 0.995));
         let mut soft = square_with(&[(ends.0, ends.1, Degree::D2)]);
-        assert!(soft.edge_split(first()));
+        assert_eq!(soft.edge_split(first(), usize::MAX), Attempt::Split);
         assert_eq!(soft.vertex_count(), 4, "both ends snap to the corners");
         let mut hard = square_with(&[(ends.0, ends.1, Degree::D0)]);
-        assert!(hard.edge_split(first()));
+        assert_eq!(hard.edge_split(first(), usize::MAX), Attempt::Split);
         assert_eq!(hard.vertex_count(), 6);
     }
 
@@ -168,7 +187,7 @@ mod tests {
             let mut mesh = sample::mesh_with(&[corners], &[(0, from.into(), to.into(), degree)]);
             prop_assume!(!mesh.patch(first()).edge_hints().is_empty());
             let before = mesh.vertex_count();
-            let split = mesh.edge_split(first());
+            let split = mesh.edge_split(first(), usize::MAX) == Attempt::Split;
             prop_assert!(mesh.vertex_count() <= before + 2);
             prop_assert_eq!(split, mesh.patch(first()).subpatches.is_some());
             prop_assert!(mesh.leaves().all(|leaf| mesh.patch(leaf).edge_hints().is_empty()));

@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 
 use super::corner_group;
 use super::field::{Field, Places, Values};
-use super::flat::{self, LitTriangle};
+use super::flat::{self, Limit, LitTriangle};
 use super::smooth;
 use super::{BakedMesh, BakedPart};
 use crate::id::{FaceId, SurfaceId, Table, VertexId};
@@ -21,8 +21,17 @@ use crate::visibility::ReceiverPoint;
 /// Groups evaluated between two reports of progress.
 const GROUPS_A_REPORT: usize = 16;
 
+/// Where the light of corners is known from.
+pub(super) struct Lighting<'a, F> {
+    /// What refinement left.
+    pub(super) known: &'a Values,
+    /// All light, anywhere.
+    pub(super) irradiance: &'a F,
+}
+
 /// Assembles the triangles. Each group of corners has the value that refinement left at its vertex; where a contact passes
-/// through it, or nothing is known, the irradiance is evaluated. Also returned is how many flat triangles were taken out.
+/// through it, or nothing is known, the irradiance is evaluated. Also returned is how many flat triangles were taken out; what
+/// is written are no more than `most_triangles`, if the leaves are not.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.
@@ -31,8 +40,8 @@ pub(super) fn assemble(
     prepared: &Prepared,
     mesh: &Mesh,
     places: &Places<'_>,
-    known: &Values,
-    irradiance: &impl Field,
+    Lighting { known, irradiance }: Lighting<'_, impl Field>,
+    most_triangles: usize,
     progress: Progress<'_>,
 ) -> Result<(BakedMesh, usize), Cancelled> {
     let triangles = corner_group::triangles(mesh);
@@ -61,7 +70,9 @@ pub(super) fn assemble(
     let lit = triangles.iter().zip(group_of);
     let mut lit: Vec<LitTriangle> =
         lit.map(|(t, values)| LitTriangle { face: t.face, vertices: t.vertices, values }).collect();
-    let flat = flat::take_out(&mut lit, &mut values, |v| mesh.vertex_m(v), prepared.tolerance.weld_m());
+    let is_written = |face: FaceId| scene.surfaces[prepared.faces[face].surface].baked;
+    let limit = Limit { most: most_triangles, is_written: &is_written };
+    let flat = flat::take_out(&mut lit, &mut values, |v| mesh.vertex_m(v), prepared.tolerance.weld_m(), &limit);
     Ok((parts(scene, prepared, mesh, &lit, &values), flat))
 }
 
