@@ -58,7 +58,7 @@ warning says. Where the shapes alone need more triangles, the bake is refused, a
 Refinement ends by itself: no split makes an edge shorter than 0.00001 of the scene or 0.0001 of its face, and what is \
 narrower than that is not split.
 
---time-limit, --memory-limit and --progressive bake in steps, the first of them at 16 times the tolerance, each finer \
+--time-limit, --memory-limit and --progressive bake in steps, the first of them at 16 times the tolerance, with limits at 0.16 at least, each finer \
 than the one before; faces and the edges of shadows are found once. What steps took says how fine the next can be. Every \
 step is a whole bake, the same that its tolerance alone gives, and the file names that tolerance. With limits a sketch comes \
 before them, without edges of shadows, whose refinement is cut short once half of a limit is used up. Where a limit is \
@@ -194,7 +194,7 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
 
 /// How good a step is.
 fn quality(step: &Step) -> String {
-    let short = if step.is_cut_short { " without edges of shadows, its refinement cut short" } else { "" };
+    let short = if step.is_cut_short { " in a sketch without edges of shadows, cut short" } else { "" };
     format!(
         "the light at tolerance {}{short}, in error by {:.2} % of the mean light between vertices (estimate), with {}",
         step.settings.shade.tolerance,

@@ -32,7 +32,7 @@ use umbrage::shade::ShadeSettings;
 use crate::interrupt::{self, Interrupted};
 use crate::limits::{Limit, Limits};
 use crate::output::Output;
-use crate::plan::{self, Plan};
+use crate::plan::Plan;
 use crate::progress::Bar;
 
 /// How often time and interrupts are looked at.
@@ -179,7 +179,7 @@ fn steps_on_ground(
         }
     }
     ground.find_shadows(scene, asked, progress)?;
-    let mut plan = Plan::new(asked.shade.tolerance);
+    let mut plan = Plan::new(asked.shade.tolerance, limits.is_any());
     let mut next = Some(first(asked, wishes));
     while let Some(tolerance) = next {
         let settings = at(asked, tolerance);
@@ -210,7 +210,7 @@ fn is_in_steps(asked: &BakeSettings, wishes: &Wishes) -> bool {
 /// The tolerance of the first step.
 fn first(asked: &BakeSettings, wishes: &Wishes) -> f64 {
     let tolerance = asked.shade.tolerance;
-    if is_in_steps(asked, wishes) { plan::first(tolerance) } else { tolerance }
+    if is_in_steps(asked, wishes) { Plan::new(tolerance, wishes.limits.is_any()).first() } else { tolerance }
 }
 
 #[cfg(test)]

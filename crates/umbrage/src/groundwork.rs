@@ -124,6 +124,22 @@ mod tests {
     }
 
     #[test]
+    fn as_in_the_paper_the_patches_that_carried_light_are_shown() {
+        let (scene, settings) = (cornell_box(), BakeSettings::as_in_paper());
+        let (bake, meshed) = crate::bake::bake_and_keep(&scene, &settings, Progress::silent()).unwrap();
+        let mut mesh = meshed.mesh;
+        let total_m2: f64 = meshed.prepared.faces.keys().map(|face| mesh.patch(mesh.root(face)).area_m2).sum();
+        let split = mesh.patches().filter(|(_, patch)| patch.subpatches.is_some());
+        let least_m2 = split.map(|(_, patch)| patch.area_m2).fold(f64::INFINITY, f64::min);
+        assert!(least_m2 > 7e-4 * total_m2, "the least size that is split is {least_m2} of {total_m2} m2");
+        mesh.remove_d0_hints();
+        mesh.triangulate();
+        assert_eq!((bake.report.flat_triangles, bake.report.secondary), (0, 0));
+        assert_eq!(bake.mesh.triangle_count(), mesh.leaves().count());
+        assert!(bake.report.links > 0 && bake.report.patches > meshed.prepared.faces.len());
+    }
+
+    #[test]
     fn a_hurried_bake_ends_with_what_it_has() {
         let scene = cornell_box();
         let settings = BakeSettings {

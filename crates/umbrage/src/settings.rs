@@ -161,3 +161,29 @@ pub(crate) fn triangles_needed(scene: &Scene, prepared: &Prepared) -> usize {
 fn total_area_m2(prepared: &Prepared) -> f64 {
     prepared.faces.keys().map(|face| polygon::area_m2(&prepared.polygon_m(face))).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::visibility::fixture;
+    use glam::DVec3;
+
+    #[test]
+    fn the_papers_oracle_is_heeded_in_scenes_of_many_faces_too() {
+        let at = |i: usize| DVec3::new((i % 30) as f64, (i / 30) as f64, (i % 7) as f64);
+        let squares: Vec<_> = (0..600).map(|i| fixture::square(at(i), 0.3, true)).collect();
+        let prepared = fixture::prepared(&squares);
+        let shade = ShadeSettings { tolerance: 0.1, ..ShadeSettings::default() };
+        let rays = |oracle| BakeSettings { oracle, shade, ..BakeSettings::default() }.rays(&prepared);
+        assert!(rays(OracleKind::Brightness).is_some() && rays(OracleKind::FormFactor).is_none());
+    }
+
+    #[test]
+    fn what_is_added_afterwards_is_taken_off_what_refinement_may_make() {
+        let within = |max_triangles, apart| {
+            let shade = ShadeSettings { max_triangles, ..ShadeSettings::default() };
+            BakeSettings { shade, ..BakeSettings::default() }.shade_within(apart).max_triangles
+        };
+        assert_eq!([within(100, 0), within(100, 30), within(10, 30), within(usize::MAX, 30)], [100, 70, 0, usize::MAX]);
+    }
+}

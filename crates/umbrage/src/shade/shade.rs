@@ -33,6 +33,9 @@ const LINEAR_SHARE: f64 = 0.5;
 /// Where triangles are few, hard shadows take no more than this share of them before refinement tells where they err least.
 const CUTS_OF_ROOM: f64 = 0.5;
 
+/// What light is gathered on is not written: with few triangles it may be finer than what is shown, up to so many.
+const LEAST_GATHERED: usize = 4_000;
+
 /// Up to so many polygons the default tolerance is the one of a room; with more it grows in proportion, up to the greatest.
 const POLYGONS_OF_ROOM: usize = 5_000;
 const GREATEST_DEFAULT: f64 = 0.1;
@@ -141,8 +144,7 @@ pub fn shade(
         interpolation: Interpolation::Quadratic,
         tolerance: INDIRECT_SHARE * settings.tolerance,
         mean,
-        // What light is gathered on is not written.
-        max_triangles: usize::MAX,
+        max_triangles: most.max(LEAST_GATHERED),
     };
     let tolerances = [smooth.tolerance, settings.tolerance].map(|tolerance| tolerance * mean);
     let (plain, known) = plain_faces(gathering, &places, irradiance, bounced, tolerances, progress)?;
