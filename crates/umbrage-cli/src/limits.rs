@@ -106,7 +106,8 @@ impl Limits {
 
     /// Whether half of a limit is used up: what is to be there early must come to its end.
     pub(crate) fn is_half_used(&self) -> bool {
-        self.half.is_some_and(|half| Instant::now() >= half) || self.memory.as_ref().is_some_and(|memory| memory.room() < 2.0)
+        self.half.is_some_and(|half| Instant::now() >= half)
+            || self.memory.as_ref().is_some_and(|memory| memory.room() < 2.0)
     }
 
     /// Whether the step that runs is to be cancelled. Called from many threads, often.

@@ -81,7 +81,11 @@ impl MethodArgs {
         let refines = self.tolerance.is_some_and(f64::is_finite);
         let not_in_it = [
             (refines, "--tolerance", "it refines nothing after the patches are linked"),
-            (self.max_triangles.is_some(), "--max-triangles", "Fmax alone says how many triangles there are: use --max-form-factor"),
+            (
+                self.max_triangles.is_some(),
+                "--max-triangles",
+                "Fmax alone says how many triangles there are: use --max-form-factor",
+            ),
             (self.oracle == Some(OracleKind::Brightness), "--oracle brightness", "it looks at form factors alone"),
             (self.score == Some(SplitScore::WellShaped), "--score well-shaped", "it cuts by Eq. (1)"),
             (self.no_discontinuities, "--no-discontinuities", "it cuts along the edges of shadows"),
@@ -253,13 +257,19 @@ mod tests {
 
     #[test]
     fn the_paper_alone_is_the_paper_and_what_is_not_in_it_is_refused() {
-        let settings = |line: &str| Command::parse_from(format!("bake --method paper {line}").trim().split(' ')).method.settings(1);
+        let settings = |line: &str| {
+            Command::parse_from(format!("bake --method paper {line}").trim().split(' ')).method.settings(1)
+        };
         assert_eq!(settings(""), Ok(BakeSettings::as_in_paper()));
         assert_eq!(settings("--tolerance none --oracle form-factor --score eq1"), Ok(BakeSettings::as_in_paper()));
         assert_eq!(settings("--max-form-factor 0.1").map(|settings| settings.fmax()), Ok(0.1));
-        for option in
-            ["--tolerance 0.1", "--max-triangles 9", "--oracle brightness", "--score well-shaped", "--no-discontinuities"]
-        {
+        for option in [
+            "--tolerance 0.1",
+            "--max-triangles 9",
+            "--oracle brightness",
+            "--score well-shaped",
+            "--no-discontinuities",
+        ] {
             let told = settings(option).unwrap_err().to_string();
             let named = option.trim_end_matches(|c: char| !c.is_ascii_alphabetic()).trim();
             assert!(told.starts_with(&format!("--method paper and {named}")), "{told}");
@@ -268,7 +278,8 @@ mod tests {
 
     #[test]
     fn options_become_settings() {
-        let coarse = Command::parse_from(["bake", "--tolerance", "none", "--max-triangles", "900"]).method.settings(1).unwrap();
+        let coarse =
+            Command::parse_from(["bake", "--tolerance", "none", "--max-triangles", "900"]).method.settings(1).unwrap();
         assert_eq!(coarse.shade, ShadeSettings { tolerance: f64::INFINITY, max_triangles: 900 });
         let line = "bake --max-form-factor 0.5 --min-area 2 --oracle form-factor --score eq1 --no-discontinuities --keep-bad-shapes";
         let settings = Command::parse_from(line.split(' ')).method.settings(1).unwrap();

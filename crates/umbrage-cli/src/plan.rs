@@ -31,7 +31,6 @@ pub(crate) struct Plan {
     steps: Vec<(f64, f64)>,
 }
 
-
 impl Plan {
     /// Before the first step on the way to a tolerance, a finite one.
     pub(crate) fn new(asked: f64, is_limited: bool) -> Self {
@@ -48,7 +47,8 @@ impl Plan {
     /// All tolerances of steps finer than one, falling.
     fn finer_than(&self, last: f64) -> impl DoubleEndedIterator<Item = f64> {
         let asked = self.asked;
-        let times = (0..=self.first_power).rev().map(|power| 2.0_f64.powi(power)).flat_map(|times| [1.5 * times, times]);
+        let times =
+            (0..=self.first_power).rev().map(|power| 2.0_f64.powi(power)).flat_map(|times| [1.5 * times, times]);
         times.map(move |times| times * asked).filter(move |&tolerance| tolerance < last)
     }
 
@@ -65,9 +65,7 @@ impl Plan {
             return None;
         }
         let power = self.power();
-        let takes = |tolerance: f64| {
-            (last / tolerance).powf(power) * if is_alike(tolerance) { 1.0 } else { OTHER_WAY }
-        };
+        let takes = |tolerance: f64| (last / tolerance).powf(power) * if is_alike(tolerance) { 1.0 } else { OTHER_WAY };
         let mut finer = self.finer_than(last);
         let allowed = |&tolerance: &f64| tolerance >= LEAST_OF_LAST * last && takes(tolerance) <= FORESEEN * room;
         // Where none is, what is foreseen may be wrong: the next one is tried all the same.

@@ -30,12 +30,13 @@ use crate::scene::{Rgb, Scene, SceneError};
 use crate::shade::{self, BakedMesh, Bouncing, IndirectLight, Irradiance, Room, ShadeMeshes, Terms};
 use crate::solve::{self, EnergyAccount, Solution, Surfaces};
 use crate::transport::{
-    self, BrightnessOracle, DirectLight, KnownSources, Linear, Links, OracleKind, PaperOracle, SourceMemory, SourcesSeen,
+    self, BrightnessOracle, DirectLight, KnownSources, Linear, Links, OracleKind, PaperOracle, SourceMemory,
+    SourcesSeen,
 };
 use crate::visibility::{AtPoints, Memory, Notes, Visibility};
 
-use crate::settings::triangles_needed;
 pub use crate::settings::BakeSettings;
+use crate::settings::triangles_needed;
 
 /// What a bake did.
 #[derive(Clone, Debug, Default, PartialEq)]

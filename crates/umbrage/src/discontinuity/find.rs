@@ -73,9 +73,7 @@ pub fn at_least(
     let features = Features::new(scene, prepared);
     let least = least_share * mean_irradiance(prepared, &features);
     let around = Surroundings { prepared, visibility, features: &features, wedges: &AtomicUsize::new(0) };
-    let counts = |segment: &&DSegment| {
-        matches!(segment.event, Event::Contact { .. }) || around.counts(segment, least)
-    };
+    let counts = |segment: &&DSegment| matches!(segment.event, Event::Contact { .. }) || around.counts(segment, least);
     // In order, as they were.
     let segments: Vec<DSegment> = found.segments.iter().filter(counts).copied().collect();
     Discontinuities { emitters: found.emitters.clone(), segments: segments.into(), wedges: found.wedges }
@@ -309,12 +307,15 @@ mod tests {
         let scene = Scene { materials: materials.into(), ..Scene::default() };
         let visibility = Visibility::new(&prepared);
         let found = |share| find(&scene, &prepared, &visibility, share, Progress::silent()).unwrap();
-        let (whole, counts) = (found(1e-3), [1e-3, 0.01, 0.1, 1.0].map(|share| {
-            let strong = found(share).segments;
-            let left = at_least(&scene, &prepared, &visibility, &found(1e-3), share).segments;
-            assert_eq!(left.iter().collect::<Vec<_>>(), strong.iter().collect::<Vec<_>>());
-            strong.len()
-        }));
+        let (whole, counts) = (
+            found(1e-3),
+            [1e-3, 0.01, 0.1, 1.0].map(|share| {
+                let strong = found(share).segments;
+                let left = at_least(&scene, &prepared, &visibility, &found(1e-3), share).segments;
+                assert_eq!(left.iter().collect::<Vec<_>>(), strong.iter().collect::<Vec<_>>());
+                strong.len()
+            }),
+        );
         assert!(counts[0] == whole.segments.len() && counts[3] < counts[2] && counts[2] < counts[0], "{counts:?}");
     }
 

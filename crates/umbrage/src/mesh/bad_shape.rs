@@ -38,7 +38,8 @@ impl Mesh {
             let [first, last] = self.edges.ends(point.leaf.edge).map(|vertex| self.vertex_m(vertex));
             first.distance(last) > LONG * longest_m
         };
-        let long: Vec<EdgeId> = self.boundary(patch).iter().filter(|point| is_long(point)).map(|p| p.leaf.edge).collect();
+        let long: Vec<EdgeId> =
+            self.boundary(patch).iter().filter(|point| is_long(point)).map(|p| p.leaf.edge).collect();
         if long.iter().map(|&edge| self.edges.beside(edge)).sum::<usize>() <= room {
             long.into_iter().for_each(|edge| {
                 self.split_at_middle(edge);

@@ -98,13 +98,7 @@ impl Mesh {
     }
 
     /// The boundary point next to `at`, or else the place inside the leaf edge that `at` lies on.
-    fn end_at(
-        &self,
-        at: DVec2,
-        boundary: &[BoundaryPoint],
-        corners_m: &[DVec2],
-        [snap_m, finest_m]: [f64; 2],
-    ) -> End {
+    fn end_at(&self, at: DVec2, boundary: &[BoundaryPoint], corners_m: &[DVec2], [snap_m, finest_m]: [f64; 2]) -> End {
         let n = boundary.len();
         let nearest = |distance: &dyn Fn(usize) -> f64| {
             (0..n).map(|i| (distance(i), i)).min_by(|p, q| p.0.total_cmp(&q.0)).unwrap_or((f64::INFINITY, 0))

@@ -356,7 +356,8 @@ mod tests {
     #[test]
     fn a_cut_that_makes_more_triangles_than_may_be_written_is_left_out() {
         // Behind the longest edge of the flat one lie two others.
-        let at = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, TINY_M, 0.0], [1.0, -1.0, 0.0], [1.0, 0.0, 1.0]].map(DVec3::from);
+        let at =
+            [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, TINY_M, 0.0], [1.0, -1.0, 0.0], [1.0, 0.0, 1.0]].map(DVec3::from);
         let before = triangles(&[[0, 1, 2], [1, 0, 3], [0, 1, 4]]);
         for (most, left) in [(3, 3), (4, 4), (usize::MAX, 4)] {
             let mut all = before.clone();
@@ -365,7 +366,13 @@ mod tests {
             assert_eq!(all.len(), left);
         }
         let mut all = before;
-        super::take_out(&mut all, &mut values(5), |v| at[v.index()], WELD_M, &Limit { most: 0, is_written: &|_| false });
+        super::take_out(
+            &mut all,
+            &mut values(5),
+            |v| at[v.index()],
+            WELD_M,
+            &Limit { most: 0, is_written: &|_| false },
+        );
         assert_eq!(all.len(), 4, "what is not written is not counted");
     }
     /// Far less than that.

@@ -74,7 +74,9 @@ mod tests {
         let kind = LampKind::Point { position_m: DVec3::Z * 2.0, intensity: Rgb::ONE, range_m: None };
         scene.lamps.push(Lamp { name: String::new(), kind });
         let lamps = Lamps::new(&scene, &prepared);
-        let up = |face: &FaceId| prepared.normal(*face).z > 0.9 && prepared.polygon_m(*face).iter().all(|p| p.z.abs() < 1e-7);
+        let up = |face: &FaceId| {
+            prepared.normal(*face).z > 0.9 && prepared.polygon_m(*face).iter().all(|p| p.z.abs() < 1e-7)
+        };
         for i in 1..400 {
             // Off the plane by rounding.
             let x = f64::from(i - 200) / 400.0 + 1e-4;

@@ -215,9 +215,14 @@ mod tests {
                 let pair = [reference.root(p), reference.root(q)];
                 printed(&mut reference, &oracle, pair);
             }
-            let cuts = |mesh: &Mesh| mesh.patches().map(|(id, patch)| (id, patch.subpatches, patch.cut)).collect::<Vec<_>>();
+            let cuts =
+                |mesh: &Mesh| mesh.patches().map(|(id, patch)| (id, patch.subpatches, patch.cut)).collect::<Vec<_>>();
             assert_eq!(cuts(&made), cuts(&reference));
-            assert_eq!(made.patch_count() == prepared.faces.len(), f_max == 10.0, "not even the D0 hint is cut for its own sake");
+            assert_eq!(
+                made.patch_count() == prepared.faces.len(),
+                f_max == 10.0,
+                "not even the D0 hint is cut for its own sake"
+            );
             for pair in linked {
                 let larger_m2 = pair.map(|node| made.patch(node).area_m2).into_iter().fold(0.0, f64::max);
                 let estimate = oracle.estimate(&made, pair).unwrap();
