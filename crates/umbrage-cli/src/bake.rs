@@ -55,11 +55,20 @@ Where the file has none, --emit gives it, or a TOML beside the scene (for room.g
   position = [0, 2.2, 0]
   intensity = 8
 
---time-limit, --memory-limit and --progressive bake in steps, the first of them at 16 times the tolerance, each finer \
-than the one before. Every step is a whole bake, the same that its tolerance alone gives, and the file names that \
-tolerance. Where a limit is reached before the tolerance asked for, the step that runs is given up and the one before \
-is written; a warning says at which tolerance it is and how much it errs, and the exit code is 0. Where a limit is \
-reached in the first step, nothing is written. Ctrl-C ends a bake at once: with --progressive the best result by then \
+--max-triangles N is never passed: with few triangles refinement goes where the error is greatest, and along the strongest \
+edges of shadows first. Of hard shadows the weakest and shortest edges stay uncut where there is no room for them, which a \
+warning says. Where the shapes alone need more triangles, the bake is refused, and the error says how many they need.
+
+Refinement ends by itself: no split makes an edge shorter than 0.00001 of the scene or 0.0001 of its face, and what is \
+narrower than that is not split.
+
+--time-limit, --memory-limit and --progressive bake in steps, the first of them at 16 times the tolerance, with limits at 0.16 at least, each finer \
+than the one before; faces and the edges of shadows are found once. What steps took says how fine the next can be. Every \
+step is a whole bake, the same that its tolerance alone gives, and the file names that tolerance. With limits a sketch comes \
+before them, without edges of shadows, whose refinement is cut short once half of a limit is used up. Where a limit is \
+reached before the tolerance asked for, the step that runs is given up and the one before is written; a warning says at \
+which tolerance it is and how much it errs, and the exit code is 0. Only where a limit is reached in the sketch, nothing is \
+written. Ctrl-C ends a bake at once: with --progressive the best result by then \
 stays, without it nothing is written.
 
 --memory-limit is of the most that the process holds, reading the scene included: of `peak memory` in the summary. A \
@@ -145,7 +154,7 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     let limits = Arc::new(Limits::new(begin, args.time_limit, args.memory_limit)?);
     let wishes = Wishes { early: args.progressive, limits: Arc::clone(&limits) };
     let write = |step: &Step| write(&scene, step, args.exposure, &args.output);
-    let asked = args.method.settings(scene.polygon_count());
+    let asked = args.method.settings(scene.polygon_count())?;
     let mut best = None;
     let reuse = args.reuse.clone().map(Reuse::new);
     let bake = {
@@ -188,6 +197,13 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
             .then(|| "for so many polygons; --tolerance asks for less".to_owned())
     };
     let coarser = why_coarser.or_else(as_large).map(|why| format!("{}: {why}", step.settings.shade.tolerance));
+    if step.bake.report.uncut > 0 {
+        let edges = summary::count(step.bake.report.uncut, "edge of hard shadows was|edges of hard shadows were");
+        let text = format!(
+            "{edges} not cut, or in part: --max-triangles leaves no room. They are the weakest and shortest; light leaks there"
+        );
+        warnings.push(ReportedWarning::of_limits(text).told(&args.output));
+    }
     let elapsed = begin.elapsed();
     let summary = summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, elapsed, coarser, warnings.len());
     output.say(&format!("{summary}Wrote {} ({})", args.output.display(), summary::bytes(written.bytes)))?;
@@ -218,8 +234,9 @@ pub(crate) fn warn_of(report: &Report, file: &Path) -> Vec<ReportedWarning> {
 
 /// How good a step is.
 fn quality(step: &Step) -> String {
+    let short = if step.is_cut_short { " in a sketch without edges of shadows, cut short" } else { "" };
     format!(
-        "the light at tolerance {}, between vertices in error by {} (estimate), with {}",
+        "the light at tolerance {}{short}, between vertices in error by {} (estimate), with {}",
         step.settings.shade.tolerance,
         summary::share_of_mean(&step.bake.report),
         summary::count(step.bake.report.triangles, "triangle")
@@ -276,7 +293,10 @@ pub(crate) fn bake_scene(scene: &Arc<Scene>, settings: &BakeSettings, output: Ou
 
 /// Writes a bake as GLB, and with it how it was made.
 pub(crate) fn write(scene: &Scene, step: &Step, exposure: Option<f64>, path: &Path) -> anyhow::Result<Written> {
-    let facts = facts(&step.settings, &step.bake.report, exposure);
+    let mut facts = facts(&step.settings, &step.bake.report, exposure);
+    if step.is_cut_short {
+        facts.extras.insert("cut_short".into(), true.into());
+    }
     Ok(write_baked_glb(scene, &step.bake.mesh, &facts, path)?)
 }
 

@@ -17,6 +17,7 @@ mod light;
 mod limits;
 mod memory;
 mod page;
+mod plan;
 mod progress;
 mod render;
 mod report;

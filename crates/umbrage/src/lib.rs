@@ -39,4 +39,6 @@ mod bake_warning;
 
 pub mod bake;
 
+pub mod groundwork;
+
 pub mod rebake;

@@ -23,7 +23,7 @@ pub use direct::DirectLight;
 pub use fit::Linear;
 pub use link::{Link, LinkError, Links, Node};
 pub use obstacles::Obstacles;
-pub use oracle::{Decision, FormFactorOracle, Oracle, OracleKind, ParseOracleError};
+pub use oracle::{Decision, FormFactorOracle, Oracle, OracleKind, PaperOracle, ParseOracleError};
 pub use seen::{KnownSources, SourceMemory, SourcesSeen};
 pub use subdivide::{link_all, subdivide_all};
 pub use uneven::split_where_uneven;
