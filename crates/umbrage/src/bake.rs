@@ -306,7 +306,7 @@ pub(crate) fn show(
         .with_memory(before.gathered());
     let indirect = IndirectLight { irradiance: &light, bounced: &bounced };
     let mut meshes = if refined {
-        let with = |segments| Mesh::new(prepared, segments, settings.mesh());
+        let with = |segments| Mesh::new(prepared, segments, settings.mesh(discontinuities.mean_irradiance));
         let all = discontinuities.segments.iter().chain(&secondary).copied().collect();
         ShadeMeshes { shown: with(&all), gathering: with(&secondary) }
     } else {
@@ -452,7 +452,8 @@ pub(crate) fn mesh_and_link(
     let least_share = settings.discontinuities.then(|| settings.weak_share());
     let (traced, visibility) = prepare_and_trace(scene, settings.prepare, least_share, clock, progress)?;
     let Traced { prepared, discontinuities } = traced;
-    let mut mesh = Mesh::new(&prepared, &discontinuities.segments, settings.mesh());
+    let mesh_settings = settings.mesh(discontinuities.mean_irradiance);
+    let mut mesh = Mesh::new(&prepared, &discontinuities.segments, mesh_settings);
     let form_factor = settings.form_factor_oracle(&prepared);
     let rays = settings.rays(&prepared);
     let brightness = match settings.oracle {

@@ -20,6 +20,11 @@ const D1_SNAP: f64 = 0.04;
 /// The same for degree 2, where only the curvature jumps.
 const D2_SNAP: f64 = 0.08;
 
+/// A hint shorter than this share of the square root of the patch's area waits until the patch is smaller: the chord
+/// that it is prolonged to would follow the shadow nowhere else. A round shadow is many such hints, and a large patch
+/// would lose a sliver to each.
+const LEAST_OF_PATCH: f64 = D2_SNAP;
+
 /// Where the end of a chord meets the boundary.
 #[derive(Clone, Copy, Debug)]
 enum End {
@@ -50,9 +55,15 @@ impl Mesh {
         }
     }
 
-    /// Splits a leaf along its first edge hint. False where the hint runs along one side: it is then dropped.
-    pub(super) fn edge_split(&mut self, patch: PatchId) -> bool {
-        let hint = self.patches[patch].edge_hints.remove(0);
+    /// The edge hint that a leaf is to be split along: the first that must be cut or is not too short.
+    pub(super) fn first_hint(&self, patch: PatchId) -> Option<usize> {
+        let least_m = std::env::var("HS").map(|s| s.parse().unwrap()).unwrap_or(LEAST_OF_PATCH) * self.patches[patch].area_m2.max(0.0).sqrt();
+        self.patches[patch].edge_hints.iter().position(|hint| hint.needed || hint.length_m() >= least_m)
+    }
+
+    /// Splits a leaf along one of its edge hints. False where the hint runs along one side: it is then dropped.
+    pub(super) fn edge_split(&mut self, patch: PatchId, number: usize) -> bool {
+        let hint = self.patches[patch].edge_hints.remove(number);
         let Some(ends) = self.chord_of(patch, &hint) else { return false };
         if on_one_side(&ends[0].place(), &ends[1].place(), self.patches[patch].sides.len()) {
             return false;
@@ -129,7 +140,7 @@ mod tests {
             (DVec2::new(0.0, 0.3), DVec2::new(1.0, 0.3), Degree::D2),
             (DVec2::new(0.4, 0.0), DVec2::new(0.4, 1.0), Degree::D1),
         ]);
-        assert!(mesh.edge_split(first()));
+        assert!(mesh.edge_split(first(), 0));
         let Some(subpatches) = mesh.patch(first()).subpatches else { panic!("not split") };
         let mut areas = subpatches.map(|part| mesh.patch(part).area_m2);
         areas.sort_by(f64::total_cmp);
@@ -143,7 +154,7 @@ mod tests {
     #[test]
     fn a_hint_that_ends_inside_is_prolonged_to_a_chord() {
         let mut mesh = square_with(&[(DVec2::new(0.2, 0.5), DVec2::new(0.6, 0.5), Degree::D1)]);
-        assert!(mesh.edge_split(first()));
+        assert!(mesh.edge_split(first(), 0));
         let new: Vec<DVec3> = (4..6).map(|i| mesh.vertex_m(i.into())).collect();
         assert!(new.iter().all(|v| v.y == 0.5 && (v.x == 0.0 || v.x == 1.0)), "{new:?}");
     }
@@ -152,10 +163,10 @@ mod tests {
     fn an_end_next_to_a_corner_snaps_but_not_for_degree_0() {
         let ends = (DVec2::new(0.01, 0.0), DVec2::new(1.0, 0.995));
         let mut soft = square_with(&[(ends.0, ends.1, Degree::D2)]);
-        assert!(soft.edge_split(first()));
+        assert!(soft.edge_split(first(), 0));
         assert_eq!(soft.vertex_count(), 4, "both ends snap to the corners");
         let mut hard = square_with(&[(ends.0, ends.1, Degree::D0)]);
-        assert!(hard.edge_split(first()));
+        assert!(hard.edge_split(first(), 0));
         assert_eq!(hard.vertex_count(), 6);
     }
 
@@ -168,7 +179,7 @@ mod tests {
             let mut mesh = sample::mesh_with(&[corners], &[(0, from.into(), to.into(), degree)]);
             prop_assume!(!mesh.patch(first()).edge_hints().is_empty());
             let before = mesh.vertex_count();
-            let split = mesh.edge_split(first());
+            let split = mesh.edge_split(first(), 0);
             prop_assert!(mesh.vertex_count() <= before + 2);
             prop_assert_eq!(split, mesh.patch(first()).subpatches.is_some());
             prop_assert!(mesh.leaves().all(|leaf| mesh.patch(leaf).edge_hints().is_empty()));

@@ -9,7 +9,7 @@
 //! }
 //! ```
 //!
-//! A patch without edge hints that is badly shaped first gets point hints into its long edges (the paper's announced
+//! Edge hints that are short for the patch wait until it is smaller. A patch without others that is badly shaped first gets point hints into its long edges (the paper's announced
 //! next step, `bad_shape`). Where rounding leaves no room for any cut, the patch stays whole and `split` says so.
 
 use super::Mesh;
@@ -26,8 +26,8 @@ impl Mesh {
             return true;
         }
         self.asked.push(patch);
-        while !self.patches[patch].edge_hints.is_empty() {
-            if self.edge_split(patch) {
+        while let Some(hint) = self.first_hint(patch) {
+            if self.edge_split(patch, hint) {
                 return true;
             }
         }
@@ -56,7 +56,7 @@ impl Mesh {
         })
     }
 
-    /// Splits leaves until no edge hint of degree 0 is left: else shadows and light would leak (paper, section 4).
+    /// Splits leaves until no edge hint of degree 0 is left that must be cut: else shadows and light would leak (paper, section 4).
     pub fn remove_d0_hints(&mut self) {
         let mut open: Vec<PatchId> = self.leaves().filter(|&leaf| self.has_d0_hint(leaf)).collect();
         while let Some(patch) = open.pop() {
