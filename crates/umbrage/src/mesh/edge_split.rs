@@ -23,7 +23,7 @@ const D2_SNAP: f64 = 0.08;
 /// A hint shorter than this share of the square root of the patch's area waits until the patch is smaller: the chord
 /// that it is prolonged to would follow the shadow nowhere else. A round shadow is many such hints, and a large patch
 /// would lose a sliver to each.
-const LEAST_OF_PATCH: f64 = D2_SNAP;
+const LEAST_OF_PATCH: f64 = D1_SNAP;
 
 /// Where the end of a chord meets the boundary.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +57,7 @@ impl Mesh {
 
     /// The edge hint that a leaf is to be split along: the first that must be cut or is not too short.
     pub(super) fn first_hint(&self, patch: PatchId) -> Option<usize> {
-        let least_m = std::env::var("HS").map(|s| s.parse().unwrap()).unwrap_or(LEAST_OF_PATCH) * self.patches[patch].area_m2.max(0.0).sqrt();
+        let least_m = LEAST_OF_PATCH * self.patches[patch].area_m2.max(0.0).sqrt();
         self.patches[patch].edge_hints.iter().position(|hint| hint.needed || hint.length_m() >= least_m)
     }
 
@@ -149,6 +149,46 @@ mod tests {
             subpatches.iter().all(|&part| mesh.patch(part).edge_hints().len() == 1),
             "the other is clipped into both"
         );
+    }
+
+    #[test]
+    fn a_hint_that_is_short_for_its_patch_waits_but_not_for_degree_0() {
+        let ends = (DVec2::new(0.5, 0.31), DVec2::new(0.53, 0.29));
+        let mut mesh = square_with(&[(ends.0, ends.1, Degree::D1)]);
+        assert_eq!(mesh.first_hint(first()), None);
+        assert!(mesh.split(first()));
+        assert_eq!(mesh.patch(first()).cut, Some(Cut::Points));
+        // The patches around it shrink until it is long enough, and then it is used.
+        let mut open: Vec<PatchId> = mesh.leaves().collect();
+        while let Some(patch) = open.pop() {
+            if !mesh.patch(patch).edge_hints().is_empty() && mesh.split(patch) {
+                open.extend(mesh.patch(patch).subpatches.into_iter().flatten());
+            }
+        }
+        assert!(mesh.patches().any(|(_, patch)| matches!(patch.cut, Some(Cut::EdgeHint(_)))));
+        let needed = square_with(&[(ends.0, ends.1, Degree::D0)]);
+        assert_eq!(needed.first_hint(first()), Some(0));
+    }
+
+    /// A disc's shadow: the tangents of a circle of `n` sides, in a square.
+    fn square_under_a_disc(n: u32) -> Mesh {
+        let corner =
+            |i: u32| DVec2::splat(0.5) + 0.3 * DVec2::from_angle(std::f64::consts::TAU * f64::from(i) / f64::from(n));
+        let sides: Vec<_> = (0..n).map(|i| (corner(i), corner(i + 1), Degree::D2)).collect();
+        square_with(&sides)
+    }
+
+    #[test]
+    fn a_round_shadow_is_closed_in_upon_by_halves_and_not_by_slivers() {
+        let mut mesh = square_under_a_disc(192);
+        // Always the largest patch: tangents alone would leave it nearly as large as it was.
+        for _ in 0..31 {
+            let area_m2 = |leaf: &PatchId| mesh.patch(*leaf).area_m2;
+            let Some(largest) = mesh.leaves().max_by(|p, q| area_m2(p).total_cmp(&area_m2(q))) else { break };
+            assert!(mesh.split(largest));
+        }
+        let largest_m2 = mesh.leaves().map(|leaf| mesh.patch(leaf).area_m2).fold(0.0, f64::max);
+        assert!(largest_m2 < 0.1, "{largest_m2}");
     }
 
     #[test]

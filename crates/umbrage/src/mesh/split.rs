@@ -70,9 +70,11 @@ impl Mesh {
 #[cfg(test)]
 mod tests {
     use super::super::sample::{self, first, rectangle};
-    use super::super::{Cut, MeshSettings};
-    use crate::discontinuity::Degree;
-    use glam::DVec2;
+    use super::super::{Cut, Mesh, MeshSettings};
+    use crate::discontinuity::{DSegment, Degree, Event};
+    use crate::id::{EdgeId, FaceId, LampId};
+    use crate::visibility::fixture;
+    use glam::{DVec2, DVec3};
 
     fn cut_of(corners: Vec<DVec2>, hint: bool) -> Option<Cut> {
         let segments = [(0, DVec2::new(0.1, 0.1), DVec2::new(0.4, 0.3), Degree::D1)];
@@ -109,6 +111,36 @@ mod tests {
         mesh.remove_d0_hints();
         assert_eq!(mesh.leaves().count(), 2);
         assert!(mesh.leaves().any(|leaf| !mesh.patch(leaf).edge_hints().is_empty()));
+    }
+
+    #[test]
+    fn weak_shadow_edges_of_lamps_wait_and_strong_ones_and_contacts_do_not() {
+        let along = |y: f64, strength: f64, event: Event| DSegment {
+            face: FaceId::from(0),
+            ends_m: [DVec3::new(0.2, y, 0.0), DVec3::new(0.8, y, 0.0)],
+            degree: Degree::D0,
+            strength,
+            event,
+        };
+        let (edge, lamp) = (EdgeId::from(0), LampId::from(0));
+        let shadow = Event::LampEdge { lamp, occluder: edge };
+        let segments = [
+            along(0.2, 0.9, shadow),
+            along(0.4, 1.1, shadow),
+            along(0.6, 0.1, Event::Contact { edge }),
+            along(0.8, 0.5, shadow),
+        ];
+        let square = rectangle((0.0, 0.0), (1.0, 1.0)).iter().map(|corner| corner.extend(0.0)).collect();
+        let settings = MeshSettings { least_jump: 1.0, ..MeshSettings::default() };
+        let mut mesh = Mesh::new(&fixture::prepared(&[square]), &segments.to_vec().into(), settings);
+        mesh.remove_d0_hints();
+        assert_eq!(mesh.leaves().count(), 3, "two cuts");
+        let waiting: usize = mesh.leaves().map(|leaf| mesh.patch(leaf).edge_hints().len()).sum();
+        assert_eq!(waiting, 2);
+        // Once light asks for a split, they say where.
+        let lowest = mesh.leaf_at(FaceId::from(0), DVec3::new(0.5, 0.1, 0.0));
+        assert!(mesh.split(lowest));
+        assert!(matches!(mesh.patch(lowest).cut, Some(Cut::EdgeHint(_))));
     }
 
     #[test]

@@ -16,7 +16,7 @@ use smallvec::SmallVec;
 
 use super::field::{MeshPoint, Places};
 use super::irradiance::{Irradiance, Terms};
-use super::refine::{OWN_TOLERANCES, LEAST_SHARE_OF_LEAVES, least_within, worst};
+use super::refine::{LEAST_SHARE_OF_LEAVES, OWN_TOLERANCES, least_within, worst};
 use crate::id::{PatchId, Table};
 use crate::mesh::Mesh;
 use crate::progress::{Cancelled, Progress, Stage};
