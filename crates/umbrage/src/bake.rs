@@ -338,11 +338,11 @@ pub(crate) fn show(
         .with_memory(before.gathered());
     let indirect = IndirectLight { irradiance: &light, bounced: &bounced };
     let mut meshes = if refined {
-        let with = |segments| Mesh::new(prepared, segments, settings.mesh());
+        let with = |segments| Mesh::new(prepared, segments, settings.mesh(discontinuities.mean_irradiance));
         let all = discontinuities.segments.iter().chain(&secondary).copied().collect();
         ShadeMeshes { shown: with(&all), gathering: with(&secondary) }
     } else {
-        let all = || Mesh::new(prepared, &discontinuities.segments, settings.mesh());
+        let all = || Mesh::new(prepared, &discontinuities.segments, settings.mesh(discontinuities.mean_irradiance));
         let shown = shade::within(scene, prepared, mesh.clone(), all, settings.shade_within(0).max_triangles);
         ShadeMeshes { shown, gathering: mesh.clone() }
     };
@@ -520,7 +520,8 @@ pub(crate) fn link(
     clock: &mut Clock,
     progress: Progress<'_>,
 ) -> Result<Linked, BakeError> {
-    let mut mesh = Mesh::new(&prepared, &discontinuities.segments, settings.mesh());
+    let mesh_settings = settings.mesh(discontinuities.mean_irradiance);
+    let mut mesh = Mesh::new(&prepared, &discontinuities.segments, mesh_settings);
     let form_factor = settings.form_factor_oracle(&prepared);
     let rays = settings.rays(&prepared);
     let brightness = match settings.oracle {

@@ -27,6 +27,11 @@ const LEAST_RAYS: usize = 128;
 /// To follow a ray takes about as long as to look at so many faces.
 const FACES_A_RAY: usize = 4;
 
+/// Shadow edges of lamps are cut at once where light jumps by so many tolerances of its mean. Of lamps that each give
+/// less, as many as give the mean at a point cast so many weaker lines that cuts along all of them would grow with the
+/// square of the lamps; refinement cuts the ones that it finds to matter.
+const JUMP_OF_TOLERANCE: f64 = 10.0;
+
 /// How a scene is baked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BakeSettings {
@@ -136,8 +141,12 @@ impl BakeSettings {
         ShadeSettings { max_triangles, ..self.shade }
     }
 
-    pub(crate) fn mesh(&self) -> MeshSettings {
-        MeshSettings { score: self.score, mend_bad_shapes: self.mend_bad_shapes }
+    /// How patches are split under light of this mean irradiance, in W/m2.
+    pub(crate) fn mesh(&self, mean_irradiance: f64) -> MeshSettings {
+        let tolerance = self.shade.tolerance;
+        // Without refinement nothing asks for the cuts that are left out.
+        let least_jump = if tolerance.is_finite() { JUMP_OF_TOLERANCE * tolerance * mean_irradiance } else { 0.0 };
+        MeshSettings { score: self.score, mend_bad_shapes: self.mend_bad_shapes, least_jump }
     }
 
     pub(crate) fn form_factor_oracle(&self, prepared: &Prepared) -> FormFactorOracle {

@@ -29,6 +29,8 @@ pub struct Discontinuities {
     pub segments: Table<DSegmentId, DSegment>,
     /// How many wedges were traced.
     pub wedges: usize,
+    /// About the mean irradiance of all faces, in W/m2; light of distant lamps counts for nothing.
+    pub mean_irradiance: f64,
 }
 
 impl Discontinuities {
@@ -53,13 +55,14 @@ pub fn find(
     progress: Progress<'_>,
 ) -> Result<Discontinuities, Cancelled> {
     let features = Features::new(scene, prepared);
-    let least = least_share * mean_irradiance(prepared, &features);
+    let mean_irradiance = mean_irradiance(prepared, &features);
+    let least = least_share * mean_irradiance;
     let (mut segments, wedges) = traced(prepared, visibility, &features, Kinds::All, least, progress)?;
     let around = Surroundings { prepared, visibility, features: &features, wedges: &AtomicUsize::new(0) };
     let contacts = contact::contacts(prepared, |face: FaceId| features.receives[face]);
     segments.extend(contacts.into_iter().map(|segment| with_strength(&around, segment)));
     segments.par_sort_by(DSegment::by_face_and_event);
-    Ok(Discontinuities { emitters: features.emitters, segments: segments.into(), wedges })
+    Ok(Discontinuities { emitters: features.emitters, segments: segments.into(), wedges, mean_irradiance })
 }
 
 /// Of discontinuities that were found with a lesser share, those that [`find`] finds with `least_share`.
@@ -71,12 +74,12 @@ pub fn at_least(
     least_share: f64,
 ) -> Discontinuities {
     let features = Features::new(scene, prepared);
-    let least = least_share * mean_irradiance(prepared, &features);
+    let least = least_share * found.mean_irradiance;
     let around = Surroundings { prepared, visibility, features: &features, wedges: &AtomicUsize::new(0) };
     let counts = |segment: &&DSegment| matches!(segment.event, Event::Contact { .. }) || around.counts(segment, least);
     // In order, as they were.
     let segments: Vec<DSegment> = found.segments.iter().filter(counts).copied().collect();
-    Discontinuities { emitters: found.emitters.clone(), segments: segments.into(), wedges: found.wedges }
+    Discontinuities { segments: segments.into(), ..found.clone() }
 }
 
 /// Which events are traced.

@@ -24,6 +24,11 @@ const D1_SNAP: f64 = 0.01;
 /// The same for degree 2, where only the curvature jumps.
 const D2_SNAP: f64 = 0.02;
 
+/// A hint shorter than this share of the square root of the patch's area waits until the patch is smaller: the chord
+/// that it is prolonged to would follow the shadow nowhere else. A round shadow is many such hints, and a large patch
+/// would lose a sliver to each.
+const LEAST_OF_PATCH: f64 = 0.04;
+
 /// Where the end of a chord meets the boundary.
 #[derive(Clone, Copy, Debug)]
 enum End {
@@ -68,14 +73,16 @@ impl Mesh {
     }
 
     /// Splits a leaf along the first of its edge hints that this patch is small enough for, if that makes no more than `room`
-    /// triangles. It stays whole where there is none: hints that run along the boundary, nearer to it than the patch may be
-    /// cut, wait for its subpatches.
+    /// triangles. It stays whole where there is none: hints that are short for the patch, or run along its boundary nearer
+    /// than it may be cut, wait for its subpatches, unless they must be cut.
     pub(super) fn edge_split(&mut self, patch: PatchId, room: usize) -> Attempt {
         let (corners, sides) = (self.polygon_2d_m(patch), self.patches[patch].sides.len());
+        let least_m = LEAST_OF_PATCH * self.patches[patch].area_m2.max(0.0).sqrt();
         let mut number = 0;
         while let Some(&hint) = self.patches[patch].edge_hints.get(number) {
             let is_d0 = hint.degree == Degree::D0;
-            let waits = !is_d0 && hint.runs_along(&corners, self.along_m(patch, hint.degree));
+            let is_along = || !is_d0 && hint.runs_along(&corners, self.along_m(patch, hint.degree));
+            let waits = !hint.needed && (hint.length_m() < least_m || is_along());
             let chord = if waits { None } else { self.chord_of(patch, &hint) };
             match chord.filter(|chord| !on_one_side(&chord.ends[0].place(), &chord.ends[1].place(), sides)) {
                 Some(chord) if chord.ends.iter().map(|end| end.cost(self)).sum::<usize>() > room => {
@@ -90,7 +97,7 @@ impl Mesh {
                     return Attempt::Split;
                 }
                 // By rounding alone: the boundary is where it would cut.
-                None if is_d0 => drop(self.patches[patch].edge_hints.remove(number)),
+                None if is_d0 && !waits => drop(self.patches[patch].edge_hints.remove(number)),
                 None => number += 1,
             }
         }
@@ -185,6 +192,46 @@ mod tests {
             subpatches.iter().all(|&part| mesh.patch(part).edge_hints().len() == 1),
             "the other is clipped into both"
         );
+    }
+
+    #[test]
+    fn a_hint_that_is_short_for_its_patch_waits_but_not_for_degree_0() {
+        let ends = (DVec2::new(0.5, 0.31), DVec2::new(0.53, 0.29));
+        let mut mesh = square_with(&[(ends.0, ends.1, Degree::D1)]);
+        assert_eq!(mesh.edge_split(first(), usize::MAX), Attempt::Whole);
+        assert!(mesh.split(first()));
+        assert_eq!(mesh.patch(first()).cut, Some(Cut::Points));
+        // The patches around it shrink until it is long enough, and then it is used.
+        let mut open: Vec<PatchId> = mesh.leaves().collect();
+        while let Some(patch) = open.pop() {
+            if !mesh.patch(patch).edge_hints().is_empty() && mesh.split(patch) {
+                open.extend(mesh.patch(patch).subpatches.into_iter().flatten());
+            }
+        }
+        assert!(mesh.patches().any(|(_, patch)| matches!(patch.cut, Some(Cut::EdgeHint(_)))));
+        let mut needed = square_with(&[(ends.0, ends.1, Degree::D0)]);
+        assert_eq!(needed.edge_split(first(), usize::MAX), Attempt::Split);
+    }
+
+    /// A disc's shadow: the tangents of a circle of `n` sides, in a square.
+    fn square_under_a_disc(n: u32) -> Mesh {
+        let corner =
+            |i: u32| DVec2::splat(0.5) + 0.3 * DVec2::from_angle(std::f64::consts::TAU * f64::from(i) / f64::from(n));
+        let sides: Vec<_> = (0..n).map(|i| (corner(i), corner(i + 1), Degree::D2)).collect();
+        square_with(&sides)
+    }
+
+    #[test]
+    fn a_round_shadow_is_closed_in_upon_by_halves_and_not_by_slivers() {
+        let mut mesh = square_under_a_disc(192);
+        // Always the largest patch: tangents alone would leave it nearly as large as it was.
+        for _ in 0..31 {
+            let area_m2 = |leaf: &PatchId| mesh.patch(*leaf).area_m2;
+            let Some(largest) = mesh.leaves().max_by(|p, q| area_m2(p).total_cmp(&area_m2(q))) else { break };
+            assert!(mesh.split(largest));
+        }
+        let largest_m2 = mesh.leaves().map(|leaf| mesh.patch(leaf).area_m2).fold(0.0, f64::max);
+        assert!(largest_m2 < 0.1, "{largest_m2}");
     }
 
     #[test]

@@ -12,7 +12,7 @@ use smallvec::SmallVec;
 use super::count::beside_chord;
 use super::patch::{BoundaryPoint, Cut, Patch};
 use super::{EdgeHint, EdgeTrees, SplitScore};
-use crate::discontinuity::{DSegment, Degree};
+use crate::discontinuity::{DSegment, Degree, Event};
 use crate::geometry::{PlaneFrame, polygon};
 use crate::id::{DSegmentId, EdgeId, FaceId, PatchId, Table, VertexId};
 use crate::prepare::{DirectedEdge, Prepared, Side};
@@ -30,11 +30,14 @@ pub struct MeshSettings {
     pub score: SplitScore,
     /// Whether badly shaped patches get point split-hints (the paper's announced next step).
     pub mend_bad_shapes: bool,
+    /// Shadow edges of lamps across which light jumps by less than this, in W/m2, are cut only where splits are asked
+    /// for; 0 cuts all. Lines of many lamps cross each other, and most change the light by little.
+    pub least_jump: f64,
 }
 
 impl Default for MeshSettings {
     fn default() -> Self {
-        Self { score: SplitScore::default(), mend_bad_shapes: true }
+        Self { score: SplitScore::default(), mend_bad_shapes: true, least_jump: 0.0 }
     }
 }
 
@@ -130,7 +133,11 @@ impl Mesh {
             let root = self.root(segment.face);
             let frame = self.frames[segment.face];
             let ends_m = segment.ends_m.map(|end| frame.to_2d(end));
-            let hint = EdgeHint { d_segment, degree: segment.degree, strength: segment.strength, ends_m };
+            let (degree, strength) = (segment.degree, segment.strength);
+            let is_contact = matches!(segment.event, Event::Contact { .. });
+            // Across a contact that is not cut, light would leak.
+            let needed = degree == Degree::D0 && (is_contact || strength >= self.settings.least_jump);
+            let hint = EdgeHint { d_segment, degree, strength, needed, ends_m };
             let clipped = hint.clipped(&self.polygon_2d_m(root), self.finest_of(root));
             self.patches[root].edge_hints.extend(clipped);
         }
@@ -279,9 +286,9 @@ impl Mesh {
         self.boundary(patch).iter().map(|point| point.vertex).filter(|vertex| !own.contains(vertex)).collect()
     }
 
-    /// Whether a patch still holds an edge split-hint of degree 0.
+    /// Whether a patch still holds an edge split-hint of degree 0 that must be cut.
     pub fn has_d0_hint(&self, patch: PatchId) -> bool {
-        self.patches[patch].edge_hints.first().is_some_and(|hint| hint.degree == Degree::D0)
+        self.patches[patch].edge_hints.first().is_some_and(|hint| hint.needed)
     }
 
     /// No split makes an edge of a patch shorter than this, in metres.

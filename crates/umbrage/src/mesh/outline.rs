@@ -121,12 +121,34 @@ impl Outline {
             .fold(1.0, f64::min)
     }
 
-    /// Every chord between two points, with their numbers.
+    /// Every chord between two points, with their numbers. Points of one side are passed over together: a neighbour may
+    /// have left hundreds on it.
     fn pairs(&self) -> impl Iterator<Item = (usize, usize, Chord)> + '_ {
         let n = self.points.len();
-        (0..n)
-            .flat_map(move |i| (i + 1..n).map(move |j| (i, j)))
+        self.beyond_sides()
+            .into_iter()
+            .enumerate()
+            .flat_map(move |(i, beyond)| (beyond..n).map(move |j| (i, j)))
             .filter_map(|(i, j)| self.chord(i, j).map(|chord| (i, j, chord)))
+    }
+
+    /// For each point, the first after it that does not lie on the side between it and the next.
+    fn beyond_sides(&self) -> Vec<usize> {
+        let n = self.points.len();
+        let mut beyond = Vec::with_capacity(n);
+        let (mut side, mut end) = (usize::MAX, 0);
+        for i in 0..n {
+            let after = self.side_after(i);
+            if after != side || end <= i {
+                side = after;
+                end = i + 1;
+                while end < n && self.points[end].sides.contains(&side) {
+                    end += 1;
+                }
+            }
+            beyond.push(end);
+        }
+        beyond
     }
 
     /// Every chord that may split the patch.

@@ -69,6 +69,7 @@ impl Mesh {
 
 #[cfg(test)]
 mod tests {
+    use super::super::patch::on_one_side;
     use super::super::sample::{self, first, rectangle};
     use super::super::{MeshSettings, SplitScore};
     use super::*;
@@ -186,6 +187,20 @@ mod tests {
             let parts_points: usize = parts.iter().map(|&part| mesh.boundary(part).len()).sum();
             prop_assert_eq!(parts_points, points + 2);
             prop_assert!(parts.iter().map(|&part| mesh.patch(part).edge_hints().len()).sum::<usize>() <= 2);
+        }
+
+        #[test]
+        fn every_pair_of_points_on_different_sides_is_a_chord(corners in sample::convex(3), hints in 0usize..12) {
+            let mut mesh = sample::mesh(&[corners]);
+            for i in 0..hints {
+                let boundary = mesh.boundary(first());
+                mesh.split_at_middle(boundary[7 * i % boundary.len()].leaf.edge);
+            }
+            let (boundary, sides) = (mesh.boundary(first()), mesh.patch(first()).sides.len());
+            let chords = (0..boundary.len())
+                .flat_map(|i| (0..i).map(move |j| (j, i)))
+                .filter(|&(j, i)| !on_one_side(&boundary[j], &boundary[i], sides));
+            prop_assert_eq!(mesh.splitting_edges(first()).len(), chords.count());
         }
 
         #[test]

@@ -9,14 +9,13 @@
 //! }
 //! ```
 //!
-//! A patch without edge hints that is badly shaped first gets point hints into its long edges (the paper's announced
+//! Edge hints that are short for the patch wait until it is smaller. A patch without others that is badly shaped first gets point hints into its long edges (the paper's announced
 //! next step, `bad_shape`). Where rounding leaves no room for any cut, the patch stays whole and `split` says so.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeSet, BinaryHeap};
 
 use super::Mesh;
-use crate::discontinuity::Degree;
 use crate::id::PatchId;
 
 /// What became of a patch that was to be split.
@@ -121,7 +120,7 @@ impl Mesh {
                 }
                 Attempt::Whole => {}
                 Attempt::NoRoom => {
-                    let hints = self.patches[patch].edge_hints.iter().filter(|hint| hint.degree == Degree::D0);
+                    let hints = self.patches[patch].edge_hints.iter().filter(|hint| hint.needed);
                     left.extend(hints.map(|hint| hint.d_segment));
                 }
             }
@@ -149,11 +148,11 @@ impl Mesh {
 
     /// A leaf with a hint of degree 0, by how much its first one matters.
     fn open_at_d0(&self, patch: PatchId) -> Option<Open> {
-        let hint = self.patches[patch].edge_hints.first().filter(|hint| hint.degree == Degree::D0)?;
+        let hint = self.patches[patch].edge_hints.first().filter(|hint| hint.needed)?;
         Some(Open { weight: hint.strength * hint.length_m(), patch })
     }
 
-    /// Splits leaves until no edge hint of degree 0 is left: else shadows and light would leak (paper, section 4).
+    /// Splits leaves until no edge hint of degree 0 is left that must be cut: else shadows and light would leak (paper, section 4).
     pub fn remove_d0_hints(&mut self) {
         let mut open: Vec<PatchId> = self.leaves().filter(|&leaf| self.has_d0_hint(leaf)).collect();
         while let Some(patch) = open.pop() {
@@ -167,9 +166,11 @@ impl Mesh {
 #[cfg(test)]
 mod tests {
     use super::super::sample::{self, first, rectangle};
-    use super::super::{Cut, MeshSettings};
-    use crate::discontinuity::Degree;
-    use glam::DVec2;
+    use super::super::{Cut, Mesh, MeshSettings};
+    use crate::discontinuity::{DSegment, Degree, Event};
+    use crate::id::{EdgeId, FaceId, LampId};
+    use crate::visibility::fixture;
+    use glam::{DVec2, DVec3};
 
     fn cut_of(corners: Vec<DVec2>, hint: bool) -> Option<Cut> {
         let segments = [(0, DVec2::new(0.1, 0.1), DVec2::new(0.4, 0.3), Degree::D1)];
@@ -206,6 +207,36 @@ mod tests {
         mesh.remove_d0_hints();
         assert_eq!(mesh.leaves().count(), 2);
         assert!(mesh.leaves().any(|leaf| !mesh.patch(leaf).edge_hints().is_empty()));
+    }
+
+    #[test]
+    fn weak_shadow_edges_of_lamps_wait_and_strong_ones_and_contacts_do_not() {
+        let along = |y: f64, strength: f64, event: Event| DSegment {
+            face: FaceId::from(0),
+            ends_m: [DVec3::new(0.2, y, 0.0), DVec3::new(0.8, y, 0.0)],
+            degree: Degree::D0,
+            strength,
+            event,
+        };
+        let (edge, lamp) = (EdgeId::from(0), LampId::from(0));
+        let shadow = Event::LampEdge { lamp, occluder: edge };
+        let segments = [
+            along(0.2, 0.9, shadow),
+            along(0.4, 1.1, shadow),
+            along(0.6, 0.1, Event::Contact { edge }),
+            along(0.8, 0.5, shadow),
+        ];
+        let square = rectangle((0.0, 0.0), (1.0, 1.0)).iter().map(|corner| corner.extend(0.0)).collect();
+        let settings = MeshSettings { least_jump: 1.0, ..MeshSettings::default() };
+        let mut mesh = Mesh::new(&fixture::prepared(&[square]), &segments.to_vec().into(), settings);
+        mesh.remove_d0_hints();
+        assert_eq!(mesh.leaves().count(), 3, "two cuts");
+        let waiting: usize = mesh.leaves().map(|leaf| mesh.patch(leaf).edge_hints().len()).sum();
+        assert_eq!(waiting, 2);
+        // Once light asks for a split, they say where.
+        let lowest = mesh.leaf_at(FaceId::from(0), DVec3::new(0.5, 0.1, 0.0));
+        assert!(mesh.split(lowest));
+        assert!(matches!(mesh.patch(lowest).cut, Some(Cut::EdgeHint(_))));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Edge split-hints: d-segments clipped to the patch that they lie in (paper, sections 3.2 and 3.3).
 //!
-//! Priority: D0 before D1 before D2, and within a degree by strength times length in the patch. Point split-hints come
+//! Priority: D0 before D1 before D2, those that must be cut before others, and then by strength times length in the patch. Point split-hints come
 //! last and are not stored at all: they are boundary points that a neighbour made (see `edge_tree`).
 
 use std::cmp::Ordering;
@@ -20,6 +20,8 @@ pub struct EdgeHint {
     pub degree: Degree,
     /// Strength of the d-segment.
     pub strength: f64,
+    /// Whether the mesh must be cut along it, wherever light asks for splits or not.
+    pub needed: bool,
     /// Ends in the frame of the face, in metres.
     pub ends_m: [DVec2; 2],
 }
@@ -35,6 +37,7 @@ impl EdgeHint {
         let weight = |hint: &Self| hint.strength * hint.length_m();
         self.degree
             .cmp(&other.degree)
+            .then(other.needed.cmp(&self.needed))
             .then_with(|| weight(other).total_cmp(&weight(self)))
             .then_with(|| self.d_segment.cmp(&other.d_segment))
     }
@@ -64,7 +67,7 @@ mod tests {
 
     fn hint(degree: Degree, strength: f64, to: f64) -> EdgeHint {
         let ends_m = [DVec2::new(0.1, 0.5), DVec2::new(to, 0.5)];
-        EdgeHint { d_segment: DSegmentId::from(0), degree, strength, ends_m }
+        EdgeHint { d_segment: DSegmentId::from(0), degree, strength, needed: degree == Degree::D0, ends_m }
     }
 
     fn square() -> [DVec2; 4] {

@@ -142,7 +142,7 @@ mod tests {
         let pieces = pieces(&frame, &points, &triangulation, &beside, &TOLERANCE);
         for piece in &pieces {
             let corners: Vec<DVec2> = piece.boundary.iter().map(|&i| flat[i as usize]).collect();
-            assert!(sides::is_convex(&corners, &piece.corners));
+            assert!(sides::is_convex(&corners, &piece.corners) && piece.corners.len() <= 16);
         }
         let polygon = |piece: &Piece| piece.boundary.iter().map(|&i| flat[i as usize]).collect::<Vec<_>>();
         pieces.iter().map(|piece| polygon::signed_area_2d_m2(&polygon(piece))).collect()
@@ -153,6 +153,32 @@ mod tests {
         let octagon: Vec<[f64; 2]> =
             (0..8).map(|i| DVec2::from_angle(f64::from(i) * std::f64::consts::FRAC_PI_4).to_array()).collect();
         assert_eq!(pieces_of(&[&octagon]).len(), 1);
+    }
+
+    /// A circle of a thousand corners, a star with as many, and an ellipse whose corners lie at random.
+    fn of_many_corners() -> [Vec<[f64; 2]>; 3] {
+        let at = |turn: f64| DVec2::from_angle(std::f64::consts::TAU * turn);
+        let circle = (0..1000).map(|i| at(f64::from(i) / 1000.0));
+        let star = (0..1000).map(|i| (0.7 + 0.3 * f64::from(i % 2)) * at(f64::from(i) / 1000.0));
+        // Steps that never repeat, of one to three hundredths of a degree or so.
+        let mut turns: Vec<f64> = (0..1000).map(|i| (f64::from(i) * 0.618_033_988_749_895).fract()).collect();
+        turns.sort_by(f64::total_cmp);
+        let ellipse = turns.into_iter().map(|turn| at(turn + 1e-4 * (7e3 * turn).sin()) * DVec2::new(1.0, 0.6));
+        [circle.collect::<Vec<_>>(), star.collect(), ellipse.collect()]
+            .map(|corners| corners.iter().map(DVec2::to_array).collect())
+    }
+
+    #[test]
+    fn polygons_of_many_corners_fall_into_few_pieces_that_are_well_shaped_but_for_a_thin_rim() {
+        for corners in of_many_corners() {
+            let whole = polygon::signed_area_2d_m2(&corners.iter().copied().map(DVec2::from).collect::<Vec<_>>());
+            let mut areas = pieces_of(&[&corners]);
+            areas.sort_by(|p, q| q.total_cmp(p));
+            assert!((areas.iter().sum::<f64>() - whole).abs() < 1e-9 * whole);
+            assert!(areas.len() <= corners.len() / 2 + 150, "{} pieces", areas.len());
+            let large: f64 = areas.iter().take(100).sum();
+            assert!(large > 0.5 * whole, "the largest hundred of {} hold {}", areas.len(), large / whole);
+        }
     }
 
     #[test]

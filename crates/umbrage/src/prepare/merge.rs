@@ -12,6 +12,10 @@ use super::sides;
 use super::triangulation::Triangulation;
 use crate::geometry::polygon;
 
+/// No piece that is merged has more corners. Work on a patch grows with the square of its boundary points, and most
+/// chords of a rounder one leave a sliver; the polygons that people draw by hand have fewer.
+const MAX_CORNERS: usize = 16;
+
 /// Which diagonal goes first.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Order {
@@ -166,11 +170,11 @@ impl<'a> Pieces<'a> {
             if self.gone[half] || versions != [self.version[p], self.version[q]] {
                 continue;
             }
-            // Where it is not convex now, it never will be: pieces only grow.
+            // Where it is not convex now, or has too many corners, it always will: pieces only grow.
             if p != q
                 && self.turns_left(self.previous[half], self.next[twin])
                 && self.turns_left(self.previous[twin], self.next[half])
-                && self.is_union_convex(half, twin)
+                && self.may_be_one(half, twin)
             {
                 let grown = self.unite(half, twin, [p, q]);
                 for at in self.round(grown) {
@@ -187,10 +191,11 @@ impl<'a> Pieces<'a> {
         turn > 0.0 || (-turn <= self.straight_m * a.distance(c) && (b - a).dot(c - b) > 0.0)
     }
 
-    fn is_union_convex(&self, half: usize, twin: usize) -> bool {
+    /// Whether the union across a diagonal is convex, with corners that are not too many.
+    fn may_be_one(&self, half: usize, twin: usize) -> bool {
         let without_last = |from: usize| self.round(from).into_iter().skip(1).map(|h| self.start[h]);
         let boundary: Vec<u32> = without_last(half).chain(without_last(twin)).collect();
-        self.corners(&boundary).is_some()
+        self.corners(&boundary).is_some_and(|corners| corners.len() <= MAX_CORNERS)
     }
 
     /// Takes a diagonal away; returns a half-edge of the union.

@@ -58,6 +58,8 @@ pub struct Kept {
     lights: Lights,
     /// Those that lamps and emitters cast: with `splits`, what makes the patches that carry transport again.
     segments: Vec<DSegment>,
+    /// What they were measured against, in W/m2.
+    mean_irradiance: f64,
     /// Those of what reflects much.
     secondary: Vec<DSegment>,
     splits: Vec<PatchId>,
@@ -122,6 +124,7 @@ impl Kept {
         let terms =
             |known: &AtPoints<Terms>| known.is_ordered() && known.iter().all(|terms| terms.fits(counts, extent_m));
         self.lights.fits(faces)
+            && self.mean_irradiance.is_finite()
             && self.segments.iter().chain(&self.secondary).all(of_face)
             && self.sources.is_ordered()
             && self.sources.iter().all(|seen| seen.fits(faces, self.lights.lamps.len()))
@@ -164,6 +167,7 @@ pub fn bake_to_reuse(
         settings: format!("{settings:?}"),
         faces: Faces::of(&prepared),
         lights: Lights::of(scene, &prepared),
+        mean_irradiance: discontinuities.mean_irradiance,
         segments: discontinuities.segments.into(),
         secondary: secondary.into(),
         splits: mesh.splits_asked().to_vec(),
@@ -206,11 +210,12 @@ pub fn rebake(
     let discontinuities = if change == Change::Lamps && settings.discontinuities {
         discontinuity::find(scene, &prepared, &visibility, settings.weak_share(), progress).map_err(BakeError::from)?
     } else {
-        Discontinuities { segments: kept.segments.clone().into(), ..Discontinuities::default() }
+        let segments = kept.segments.clone().into();
+        Discontinuities { segments, mean_irradiance: kept.mean_irradiance, ..Discontinuities::default() }
     };
     clock.end_of(Stage::Discontinuity);
 
-    let mut mesh = Mesh::new(&prepared, &kept.segments.clone().into(), settings.mesh());
+    let mut mesh = Mesh::new(&prepared, &kept.segments.clone().into(), settings.mesh(kept.mean_irradiance));
     if !mesh.split_as(&kept.splits) || !kept.fits_mesh(&mesh) {
         return Err(NotReusable::Damaged.into());
     }
