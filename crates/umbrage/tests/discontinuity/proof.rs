@@ -158,10 +158,11 @@ enum Side {
     UnderFloor,
 }
 
-/// A line on a receiver of a stage that stands at `origin`.
-fn random_line(random: &mut Random, side: Side, origin: DVec3) -> Line {
-    let point = |x: f64, y: f64| {
-        origin + if side == Side::Wall { DVec3::new(x, 2.0, 0.5 * y + 1.0) } else { DVec3::new(x, y, 0.0) }
+/// A line on a receiver.
+fn random_line(random: &mut Random, side: Side) -> Line {
+    let point = |x: f64, y: f64| match side {
+        Side::Wall => DVec3::new(x, 2.0, 0.5 * y + 1.0),
+        Side::Floor | Side::UnderFloor => DVec3::new(x, y, 0.0),
     };
     loop {
         let mut end = || point(random.between(-1.99, 1.99), random.between(-1.99, 1.99));
@@ -328,23 +329,25 @@ fn crossings_of(stage: &Stage, traced: &Traced, line: &Line) -> Vec<Crossing> {
     let Traced { prepared, discontinuities } = traced;
     let features = Features::new(&stage.scene, prepared);
     let visibility = Visibility::new(prepared);
+    // From the library's frame to the world of the tests.
+    let origin = prepared.origin_m - stage.origin;
     let mut crossings: Vec<Crossing> = Vec::new();
     for segment in &discontinuities.segments {
         let normal = prepared.normal(segment.face);
-        let ends = segment.ends_m.map(|end| prepared.origin_m + end);
+        let ends = segment.ends_m.map(|end| origin + end);
         let flat = (ends[0] - line.from).dot(line.normal).abs().max((ends[1] - line.from).dot(line.normal).abs());
         if normal.dot(line.normal) < 0.999_999 || flat > 1e-5 {
             continue;
         }
         let found = match segment.event {
             Event::ThreeEdges { source, occluders: [nearer, last], .. } => {
-                let edge = |id: EdgeId| prepared.edges[id].ends.map(|v| prepared.origin_m + prepared.vertices_m[v]);
+                let edge = |id: EdgeId| prepared.edges[id].ends.map(|v| origin + prepared.vertices_m[v]);
                 line.crossings_of_curve(ends, [source, nearer, last].map(edge))
             }
             _ => line.crossing(ends).into_iter().collect(),
         };
         for (at, sine, at_end) in found {
-            let jump = features.jump(prepared, &visibility, segment, line.point(at) - prepared.origin_m);
+            let jump = features.jump(prepared, &visibility, segment, line.point(at) - origin);
             let degree = segment.degree.number() as i32;
             crossings.push(Crossing { segment: *segment, at, along: jump * sine.powi(degree), at_end });
         }
@@ -368,7 +371,7 @@ fn examined(scenes: u64, sides: &[Side], kind: impl Fn(&mut Random) -> Stage) ->
         let mut of_scene = Tally::default();
         for &side in sides {
             for number in 0..LINES {
-                let line = random_line(&mut random, side, stage.origin);
+                let line = random_line(&mut random, side);
                 of_scene.examine(&stage, &traced, &line, &format!("scene {seed} line {number} on {side:?}"));
             }
         }

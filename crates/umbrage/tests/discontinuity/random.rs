@@ -18,7 +18,7 @@ pub struct Stage {
     pub world: World,
     /// Whether what is added shows both of its sides, and gives light from both.
     pub double_sided: bool,
-    /// Where the middle of the floor is.
+    /// Where the library's scene has the origin of the world of the tests.
     pub origin: DVec3,
 }
 
@@ -55,12 +55,12 @@ impl Stage {
         self.add_in_pieces(polygon, &[polygon.to_vec()], radiance);
     }
 
-    /// Moves all that was added by a multiple of the step that coordinates are rounded to.
-    pub fn move_to(&mut self, origin: DVec3) {
+    /// Moves the library's scene by a multiple of the step that coordinates are rounded to. The world of the tests stays
+    /// where it is: far from the origin its light would be rounded more than breaks can be told from.
+    pub fn move_scene_to(&mut self, origin: DVec3) {
         let origin = (origin / STEP_M).round() * STEP_M;
         let surfaces = self.scene.surfaces.iter_mut().flat_map(|surface| &mut surface.positions_m);
-        let pieces = self.world.pieces.iter_mut().flat_map(|piece| &mut piece.corners);
-        surfaces.chain(pieces).for_each(|corner| *corner += origin);
+        surfaces.for_each(|corner| *corner += origin);
         self.origin += origin;
     }
 

@@ -59,7 +59,7 @@ pub fn stage(random: &mut Random) -> Stage {
         stage.add(&moved(&rectangle(x, y), random.turn(), at), 0.0);
     }
     if random.below(2) == 0 {
-        stage.move_to(random.point(DVec3::splat(-FAR_M), DVec3::splat(FAR_M)));
+        stage.move_scene_to(random.point(DVec3::splat(-FAR_M), DVec3::splat(FAR_M)));
     }
     stage
 }
