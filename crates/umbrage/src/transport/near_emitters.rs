@@ -127,7 +127,8 @@ mod tests {
         /// Whatever walls a lamp is near to, they receive together as much as it emits.
         #[test]
         fn walls_receive_all_light_of_a_small_lamp(
-            x in 0.03..5.97_f64, y in 0.03..4.97_f64, height_m in 0.002..1.0_f64, side_m in 0.005..0.05_f64, up: bool,
+            x in 0.03..5.97_f64, y in 0.03..4.97_f64, height_m in 0.002..1.0_f64, side_m in 0.005..0.05_f64,
+            up in any::<bool>(),
         ) {
             let z = if up { 3.0 - height_m } else { height_m };
             let share = received_share(DVec3::new(x, y, z), side_m, up);
@@ -141,7 +142,7 @@ mod tests {
         let prepared = fixture::prepared_of_materials(&polygons);
         let visibility = Visibility::new(&prepared);
         let mesh = Mesh::new(&prepared, &Table::new(), MeshSettings::default());
-        let patch = ReceivingPatch::new(&prepared, &visibility, &mesh, 0.into());
+        let patch = ReceivingPatch::new(&prepared, &visibility, &mesh, PatchId::from(0));
         let extent = |radius_m: f64, distance_m: f64| EmitterExtent {
             middle_m: distance_m * DVec3::Z,
             radius_m,
