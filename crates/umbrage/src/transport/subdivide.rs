@@ -207,7 +207,8 @@ mod tests {
         let visibility = Visibility::new(&prepared);
         for f_max in [10.0, 0.3, 0.1, 0.05] {
             let oracle = oracle(&prepared, f_max, 0.01);
-            let settings = MeshSettings { score: crate::mesh::SplitScore::Eq1, mend_bad_shapes: false };
+            let settings =
+                MeshSettings { score: crate::mesh::SplitScore::Eq1, mend_bad_shapes: false, ..MeshSettings::default() };
             let [mut made, mut reference] = [0, 1].map(|_| Mesh::new(&prepared, &contacts, settings));
             let paper = PaperOracle(oracle);
             let linked = subdivide_all(&prepared, &visibility, &mut made, &paper, Progress::silent()).unwrap();
