@@ -73,7 +73,7 @@ impl<'a> Baked<'a> {
         let doubled = across.length();
         let normal = across / doubled;
         let away = place.position_m - corners[0];
-        if !(normal.dot(place.normal) > SAME_WAY && away.dot(normal).abs() <= self.on_plane_m) {
+        if !(normal.dot(place.front) > SAME_WAY && away.dot(normal).abs() <= self.on_plane_m) {
             return None;
         }
         let weight = |p: DVec3, q: DVec3| (p - place.position_m).cross(q - place.position_m).dot(normal) / doubled;

@@ -13,6 +13,8 @@
 //! 10. `convex`: cells fall into few, well-shaped convex pieces.
 //! 11. `diagonal`: borders between pieces are cut where other planes' vertices touch them.
 //! 12. `assemble`: pieces become faces, in an order that depends on the scene only.
+//!
+//! Beside them, `curved` tells of a point of a face how the smooth surface lies that the face stands for.
 
 mod arrangement;
 mod assemble;
@@ -20,6 +22,7 @@ mod contact;
 mod convex;
 mod coplanar;
 mod crossing;
+mod curved;
 mod diagonal;
 mod error;
 mod face;
@@ -43,5 +46,5 @@ pub use face::{DirectedEdge, Edge, Face, Facing, PrepareReport, Prepared, Prepar
 pub use orient::orient;
 pub use shell::{Shells, shells};
 pub use skin::Skin;
-pub(crate) use skin::is_smooth_at;
+pub(crate) use skin::is_one_surface_at;
 pub use stages::{PrepareSettings, prepare, prepare_with};

@@ -7,7 +7,7 @@
 //!
 //! Normals matter only where they make a surface smooth: along an edge between polygons of two planes that has the same
 //! normals on both sides and bends by little. Elsewhere, as on the walls of a room that was shaded smooth by oversight,
-//! they are left.
+//! they are left. A normal that is turned away from its polygon is left, too, and counted: there the polygon is flat.
 //!
 //! Skins grow from the largest polygons to their neighbours across edges; each neighbour is compared with the function
 //! of the first, so that nothing drifts.
@@ -19,15 +19,19 @@ use super::Facing;
 use super::coplanar::Planes;
 use super::soup::Polygon;
 use super::weld::Points;
+use crate::geometry::polygon::doubled_area_vector;
 use crate::id::{PlaneId, SkinId, SurfaceId, Table, VertexId};
 use crate::scene::{Scene, Surface};
 
 /// Texture coordinates that differ by less are the same: 0.4 texels of an image 4096 wide, more than the rounding of
 /// coordinates that files keep in 16 bits.
 const SAME_UV: f64 = 1e-4;
-/// A function of the position that gives a normal within this, in radians, gives it: nothing is seen of that, and plane
-/// facets of curved surfaces are merged more often.
-const SAME_NORMAL_RAD: f64 = 0.05;
+/// A function of the position that gives a normal within this, in radians, gives it: the light of a smooth surface changes with its
+/// normal, so this is what it may err at grazing incidence.
+const SAME_NORMAL_RAD: f64 = 0.01;
+/// A normal with a smaller cosine to the front of its polygon (it is turned away by more than 84 degrees) tells nothing of the
+/// surface there.
+const LEAST_FACING_COSINE: f64 = 0.1;
 /// At a smooth edge, the normals of its two faces differ by less than this share of the bend. In a flat surface they
 /// differ by all of it, in a smooth one by nothing but rounding.
 const SMOOTH_OF_BEND: f64 = 0.5;
@@ -89,7 +93,7 @@ impl Skin {
         };
         let uv = (!corners.uvs.is_empty()).then(|| [0, 1].map(|k| affine(&|i| corners.uvs[i][k])));
         let normal =
-            (smooth && !corners.normals.is_empty()).then(|| [0, 1, 2].map(|k| affine(&|i| corners.normals[i][k])));
+            (smooth && !corners.normals.is_empty()).then(|| [0, 1, 2].map(|k| affine(&|i| corners.normal(i)[k])));
         Self { uv, normal }
     }
 
@@ -98,7 +102,7 @@ impl Skin {
         let is_same = |(i, &at_m): (usize, &DVec3)| {
             let uv = self.uv(at_m).is_none_or(|uv| uv.distance(corners.uvs[i]) <= SAME_UV);
             let normal = self.normal.map(|normal| DVec3::from(normal.map(|affine| affine.at(at_m))));
-            uv && normal.is_none_or(|normal| normal.distance(corners.normals[i]) <= SAME_NORMAL_RAD)
+            uv && normal.is_none_or(|normal| normal.distance(corners.normal(i)) <= SAME_NORMAL_RAD)
         };
         corners.at_m.iter().enumerate().all(is_same)
     }
@@ -119,7 +123,12 @@ fn wide_corners(at_m: &[DVec3]) -> [usize; 3] {
 struct Corners<'a> {
     at_m: SmallVec<[DVec3; 4]>,
     uvs: SmallVec<[DVec2; 4]>,
+    /// Unit normals towards the front; zero where there is none of use.
     normals: SmallVec<[DVec3; 4]>,
+    /// Unit normal of the polygon.
+    front: DVec3,
+    /// Normals that are turned away from the front.
+    unusable: usize,
     surface: &'a Surface,
 }
 
@@ -127,9 +136,27 @@ impl<'a> Corners<'a> {
     fn of(polygon: &Polygon, surface: &'a Surface, points: &Points) -> Self {
         let source = || polygon.sources.iter().map(|&i| i as usize);
         let uvs = if surface.uvs.is_empty() { SmallVec::new() } else { source().map(|i| surface.uvs[i]).collect() };
-        let normals =
+        let mut normals: SmallVec<[DVec3; 4]> =
             if surface.normals.is_empty() { SmallVec::new() } else { source().map(|i| surface.normals[i]).collect() };
-        Self { at_m: polygon.corners.iter().map(|&v| points[v]).collect(), uvs, normals, surface }
+        let at_m: SmallVec<[DVec3; 4]> = polygon.corners.iter().map(|&v| points[v]).collect();
+        let front = doubled_area_vector(&at_m).normalize_or_zero();
+        // Files do not agree on the normals of polygons that look the other way.
+        let sign = if normals.iter().sum::<DVec3>().dot(front) < 0.0 { -1.0 } else { 1.0 };
+        let mut unusable = 0;
+        for normal in normals.iter_mut().filter(|normal| **normal != DVec3::ZERO) {
+            *normal = (sign * *normal).normalize_or_zero();
+            if normal.dot(front) < LEAST_FACING_COSINE {
+                *normal = DVec3::ZERO;
+                unusable += 1;
+            }
+        }
+        Self { at_m, uvs, normals, front, unusable, surface }
+    }
+
+    /// The normal at a corner: the polygon's own where there is none of use.
+    fn normal(&self, corner: usize) -> DVec3 {
+        let normal = self.normals[corner];
+        if normal == DVec3::ZERO { self.front } else { normal }
     }
 
     fn is_bare(&self) -> bool {
@@ -148,6 +175,8 @@ pub(super) fn is_affine(polygon: &Polygon, surface: &Surface, points: &Points) -
 pub(super) struct Skins {
     pub(super) all: Table<SkinId, Skin>,
     pub(super) of_polygon: Vec<Option<SkinId>>,
+    /// Corners of smooth polygons whose normals are turned away from the front: there the polygon's own counts.
+    pub(super) unusable_normals: usize,
 }
 
 impl Skins {
@@ -155,12 +184,13 @@ impl Skins {
     pub(super) fn new(scene: &Scene, soup: &[Polygon], planes: &Planes, points: &Points, smooth: bool) -> Self {
         let corners: Vec<Corners<'_>> =
             soup.iter().map(|polygon| Corners::of(polygon, &scene.surfaces[polygon.surface], points)).collect();
-        let mut skins = Self { all: Table::new(), of_polygon: vec![None; soup.len()] };
+        let mut skins = Self { all: Table::new(), of_polygon: vec![None; soup.len()], unusable_normals: 0 };
         if corners.iter().all(Corners::is_bare) {
             return skins;
         }
         let neighbours = Neighbours::new(soup, &corners);
         let is_smooth = if smooth { neighbours.smooth(&corners, planes) } else { vec![false; soup.len()] };
+        skins.unusable_normals = corners.iter().zip(&is_smooth).filter(|(_, is)| **is).map(|(c, _)| c.unusable).sum();
         let mut largest_first: Vec<usize> = (0..soup.len()).filter(|&p| !corners[p].is_bare()).collect();
         largest_first.sort_by(|&p, &q| soup[q].area_m2.total_cmp(&soup[p].area_m2).then(p.cmp(&q)));
         let kind = |p: usize| -> (PlaneId, Facing, SurfaceId, bool) {
@@ -251,11 +281,18 @@ impl Neighbours {
 }
 
 /// Whether the edge between two faces is smooth at a point, where their corners have these normals.
-pub(crate) fn is_smooth_at(fronts: [DVec3; 2], normals: [DVec3; 2]) -> bool {
+fn is_smooth_at(fronts: [DVec3; 2], normals: [DVec3; 2]) -> bool {
     let [one, other] = fronts;
     one.dot(other) >= LEAST_SMOOTH_COSINE
         && !normals.contains(&DVec3::ZERO)
         && normals[0].distance(normals[1]) <= SMOOTH_OF_BEND * one.distance(other)
+}
+
+/// Whether two faces of smooth surfaces, with these fronts, are one surface at a point of their common edge, where they have these
+/// normals: then both receive the same light there. Facets of one plane are, if their normals are the same.
+pub(crate) fn is_one_surface_at(fronts: [DVec3; 2], normals: [DVec3; 2]) -> bool {
+    let bend = fronts[0].distance(fronts[1]).max(2.0 * SAME_NORMAL_RAD / SMOOTH_OF_BEND);
+    fronts[0].dot(fronts[1]) >= LEAST_SMOOTH_COSINE && normals[0].distance(normals[1]) <= SMOOTH_OF_BEND * bend
 }
 
 #[cfg(test)]
@@ -273,6 +310,8 @@ mod tests {
             at_m: at_m.iter().copied().collect(),
             uvs: at_m.iter().map(|&p| uv_at(p)).collect(),
             normals: SmallVec::new(),
+            front: DVec3::Z,
+            unusable: 0,
             surface: &surface,
         };
         let skin = Skin::of(&corners, true);

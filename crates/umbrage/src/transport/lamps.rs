@@ -44,7 +44,7 @@ impl Lamps {
             let cosine = receiver.normal.dot(arriving.towards);
             let to_m = lamp.position_m().unwrap_or(receiver.position_m + self.outside_m * arriving.towards);
             // Grazing light brings nothing, and whether it is seen is rounding.
-            let sees = || !visibility.occluded(receiver.position_m, to_m, [receiver.plane; 2]);
+            let sees = || visibility.stopper(receiver, to_m, None, None).is_none();
             if cosine <= 0.0 || !known(id).unwrap_or_else(sees) {
                 return Rgb::ZERO;
             }

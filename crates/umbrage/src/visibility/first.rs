@@ -8,7 +8,7 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::Visibility;
+use super::{ReceiverPoint, Visibility};
 use super::ray::Slabs;
 use crate::id::{FaceId, PlaneId};
 
@@ -23,16 +23,40 @@ struct Met {
 }
 
 impl Visibility {
+    /// The face whose front a receiver point sees first in the direction of a point far away, and where; `None` where it sees none, or
+    /// a back before.
+    pub fn first_front_of(&self, receiver: &ReceiverPoint, to_m: DVec3) -> Option<(FaceId, DVec3)> {
+        let from_m = receiver.position_m;
+        let Some(near) = receiver.near else { return self.first_front(from_m, to_m, receiver.plane) };
+        let mut first = None;
+        let (near_m, near_to_m) = (near.from_m, to_m + (near.from_m - from_m));
+        self.near(receiver).iter().for_each(|&face| self.meet(face, near_m, near_to_m, &mut first));
+        let passes = |face: FaceId| self.plane(face) == receiver.plane || self.is_near(receiver, face);
+        let met = self.first_met(from_m, to_m, passes, first)?;
+        Some((met.front?, from_m.lerp(to_m, met.at)))
+    }
+
     /// The face whose front the open segment between two points meets first, and where; `None` where it meets none, or a back before.
     /// Faces in the plane `passing` are passed through.
     pub fn first_front(&self, from_m: DVec3, to_m: DVec3, passing: PlaneId) -> Option<(FaceId, DVec3)> {
+        let met = self.first_met(from_m, to_m, |face| self.plane(face) == passing, None)?;
+        Some((met.front?, from_m.lerp(to_m, met.at)))
+    }
+
+    /// What a segment meets first, if that is not `first` already.
+    fn first_met(
+        &self,
+        from_m: DVec3,
+        to_m: DVec3,
+        passes: impl Fn(FaceId) -> bool,
+        mut first: Option<Met>,
+    ) -> Option<Met> {
         let tree = self.tree();
         let slabs = Slabs::new(from_m, to_m);
         let enters = |node: u32| {
             let aabb = tree.nodes[node as usize].aabb();
             slabs.may_enter(aabb.min, aabb.max)
         };
-        let mut first: Option<Met> = None;
         let mut stack: SmallVec<[(u32, f32); 64]> = SmallVec::new();
         if !tree.nodes.is_empty() {
             stack.extend(enters(0).map(|near| (0, near)));
@@ -47,7 +71,7 @@ impl Visibility {
                 for &primitive in &tree.primitive_indices[range] {
                     let face = FaceId::from(primitive as usize);
                     let [min_m, max_m] = self.bounds_m(face);
-                    if self.plane(face) != passing && slabs.meet(min_m, max_m) {
+                    if !passes(face) && slabs.meet(min_m, max_m) {
                         self.meet(face, from_m, to_m, &mut first);
                     }
                 }
@@ -64,8 +88,7 @@ impl Visibility {
                 stack.push(near);
             }
         }
-        let met = first?;
-        Some((met.front?, from_m.lerp(to_m, met.at)))
+        first
     }
 
     /// Notes a face that a segment crosses, where it is the first so far.

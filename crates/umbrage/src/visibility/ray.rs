@@ -28,9 +28,21 @@ impl Visibility {
         to_m: DVec3,
         passing: [PlaneId; 2],
     ) -> Option<FaceId> {
+        self.blocker_but(among, from_m, to_m, passing, |_| false)
+    }
+
+    /// The same, but for faces that `passes` lets pass.
+    pub(super) fn blocker_but(
+        &self,
+        among: Option<&[FaceId]>,
+        from_m: DVec3,
+        to_m: DVec3,
+        passing: [PlaneId; 2],
+        passes: impl Fn(FaceId) -> bool,
+    ) -> Option<FaceId> {
         let mut hit = None;
         let visit = |face| {
-            if !self.is_blocked_by(face, from_m, to_m, passing) {
+            if passes(face) || !self.is_blocked_by(face, from_m, to_m, passing) {
                 return ControlFlow::Continue(());
             }
             hit = Some(face);
@@ -41,7 +53,7 @@ impl Visibility {
     }
 
     /// Whether a face crosses the open segment between two points and lies in none of the planes `passing`.
-    pub(crate) fn is_blocked_by(&self, face: FaceId, from_m: DVec3, to_m: DVec3, passing: [PlaneId; 2]) -> bool {
+    fn is_blocked_by(&self, face: FaceId, from_m: DVec3, to_m: DVec3, passing: [PlaneId; 2]) -> bool {
         !passing.contains(&self.plane(face)) && self.is_crossed(face, from_m, to_m)
     }
 
@@ -57,7 +69,7 @@ impl Visibility {
         crossed
     }
 
-    fn is_crossed(&self, face: FaceId, from_m: DVec3, to_m: DVec3) -> bool {
+    pub(super) fn is_crossed(&self, face: FaceId, from_m: DVec3, to_m: DVec3) -> bool {
         self.crossing(face, from_m, to_m).is_some()
     }
 
