@@ -87,7 +87,8 @@ impl SmoothSurfaces {
             if is_smooth {
                 around = std::mem::take(&mut beside[number]);
                 around.push(number as u32);
-                let few = polygon.corners.iter().map(|corner| &at_corner[corner]).filter(|at| at.len() <= MOST_AT_CORNER);
+                let few =
+                    polygon.corners.iter().map(|corner| &at_corner[corner]).filter(|at| at.len() <= MOST_AT_CORNER);
                 around.extend(few.flatten());
                 around.sort_unstable();
                 around.dedup();
@@ -130,8 +131,7 @@ fn polygons(scene: &Scene, same_m: f64) -> Vec<Polygon> {
     for (id, surface) in scene.surfaces.iter_enumerated() {
         for (number, sources) in surface.polygons.iter().enumerate() {
             let corners_m: Vec<DVec3> = scene.corners_m(id, number).collect();
-            let doubled: DVec3 =
-                corners_m.windows(2).map(|p| (p[0] - corners_m[0]).cross(p[1] - corners_m[0])).sum();
+            let doubled: DVec3 = corners_m.windows(2).map(|p| (p[0] - corners_m[0]).cross(p[1] - corners_m[0])).sum();
             let front = doubled.normalize_or_zero();
             polygons.push(Polygon {
                 corners: corners_m.iter().map(|&at_m| name(at_m)).collect(),

@@ -65,7 +65,8 @@ impl Tracer {
         let triangles = sides::triangles(scene, &smooth.normals);
         let mut of_polygon: Vec<Vec<u32>> = vec![Vec::new(); scene.polygon_count()];
         triangles.iter().enumerate().for_each(|(number, t)| of_polygon[t.polygon].push(number as u32));
-        let triangles_of = |polygons: &Vec<u32>| polygons.iter().flat_map(|&p| &of_polygon[p as usize]).copied().collect();
+        let triangles_of =
+            |polygons: &Vec<u32>| polygons.iter().flat_map(|&p| &of_polygon[p as usize]).copied().collect();
         let around = smooth.around.iter().map(triangles_of).collect();
         let boxes: Vec<Boxed<'_>> = triangles.iter().map(|t| Boxed(t, GROWN_OF_EXTENT * extent_m)).collect();
         let tree = if boxes.is_empty() {

@@ -84,8 +84,7 @@ fn vault() -> Scene {
 fn checked(scene: &Scene, smooth: bool) -> Report {
     let bake = bake(scene, &BakeSettings::default(), Progress::silent()).unwrap();
     let parts = bake.mesh.parts.iter().flat_map(|part| {
-        let triangle =
-            |&corners| BakedTriangle::new(bake.mesh.origin_m, corners, &part.positions_m, &part.irradiance);
+        let triangle = |&corners| BakedTriangle::new(bake.mesh.origin_m, corners, &part.positions_m, &part.irradiance);
         part.triangles.iter().map(triangle)
     });
     let triangles: Vec<BakedTriangle> = parts.collect();

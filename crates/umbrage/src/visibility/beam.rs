@@ -30,9 +30,9 @@ use std::ops::ControlFlow;
 use glam::{DVec2, DVec3};
 use smallvec::SmallVec;
 
-use super::{ReceiverPoint, Visibility};
 use super::shadow::{self, Rounding, Shadows};
 use super::view::{PlaneView, Window};
+use super::{ReceiverPoint, Visibility};
 use crate::geometry::convex::{self, Convex};
 use crate::geometry::{Plane, PlaneFrame, polygon};
 use crate::id::{FaceId, PlaneId};

@@ -8,8 +8,8 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::{ReceiverPoint, Visibility};
 use super::ray::Slabs;
+use super::{ReceiverPoint, Visibility};
 use crate::id::{FaceId, PlaneId};
 
 /// What a ray meets first.
