@@ -173,14 +173,13 @@ impl Visibility {
         if outline.is_empty() || area_m2 <= rounding.thin_m2 {
             return None;
         }
-        let window = |at: [DVec3; 2], view: PlaneView| {
-            Window::new(at, &source.frame, view, outline.clone(), self.tolerance(), rounding)
-        };
+        let normal = receiver.normal;
         let near = receiver.near.and_then(|near| {
-            let view = PlaneView::from(near.from_m, receiver.normal, &source.frame)?;
-            Some(window([near.from_m, receiver.normal], view))
+            let view = PlaneView::from(near.from_m, normal, &source.frame)?;
+            Some(Window::new([near.from_m, normal], &source.frame, view, outline.clone(), self.tolerance(), rounding))
         });
-        let window = window([receiver.position_m, receiver.normal], view);
+        let at = [receiver.position_m, normal];
+        let window = Window::new(at, &source.frame, view, outline, self.tolerance(), rounding);
         Some(Beam { receiver, window, near, whole, area_m2, passing: [receiver.plane, source.plane] })
     }
 
@@ -225,8 +224,8 @@ impl Visibility {
             let [min_m, max_m] = self.bounds_m(face);
             self.plane(face) != source && window.box_may_occlude(min_m, max_m)
         };
-        let near = self.near(beam.receiver).iter().copied().filter(|&face| may_occlude(face));
-        near.into_iter().try_for_each(|face| self.throw(beam, window, face, thrown))
+        let mut near = self.near(beam.receiver).iter().copied().filter(|&face| may_occlude(face));
+        near.try_for_each(|face| self.throw(beam, window, face, thrown))
     }
 
     /// Adds the shadow of a face as seen through a window; breaks where it takes the whole.
