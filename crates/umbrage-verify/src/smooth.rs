@@ -5,9 +5,9 @@
 //! - An edge is smooth if two polygons pass along it in opposite directions, in two planes that bend by no more than 61 degrees, and
 //!   if their normals, all of use, differ by no more than half of the bend at both ends.
 //! - A polygon with a smooth edge is part of a smooth surface. A point of it receives by the interpolated normal. Itself, and
-//!   the polygons that have a corner in common with it, it sees from a point above: each corner's tangent plane that lies in front of
-//!   the point moves it there, by the corner's weight (Hanika, *Hacking the shadow terminator*, Ray Tracing Gems II, 2021), and a
-//!   hair further. All else it sees from where it is.
+//!   the polygons that have a corner in common with it, it sees from a point above: it is moved along its normal, as far as the tangent
+//!   planes at the corners lie over it, by the weights of the corners (Hanika, *Hacking the shadow terminator*, Ray Tracing Gems II,
+//!   2021), and a hair further. All else it sees from where it is.
 
 use std::collections::BTreeMap;
 
@@ -172,8 +172,8 @@ impl Corners {
         let weights = [weight(b, c), weight(c, a), weight(a, b)].map(|w| w.clamp(0.0, 1.0));
         let normals = self.normals.map(|normal| side * normal);
         let normal: DVec3 = (0..3).map(|i| weights[i] * normals[i]).sum();
-        let over: DVec3 =
-            (0..3).map(|i| weights[i] * (self.at_m[i] - at_m).dot(normals[i]).max(0.0) * normals[i]).sum();
-        (normal.normalize_or(side * across.normalize_or_zero()), at_m + over)
+        let normal = normal.normalize_or(side * across.normalize_or_zero());
+        let over_m: f64 = (0..3).map(|i| weights[i] * (self.at_m[i] - at_m).dot(normals[i])).sum();
+        (normal, at_m + over_m.max(0.0) * normal)
     }
 }

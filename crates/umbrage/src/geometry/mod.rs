@@ -2,7 +2,6 @@
 
 pub mod clip;
 pub mod convex;
-pub mod mean_value;
 pub mod plane;
 pub mod polygon;
 pub mod predicate;

@@ -1,32 +1,26 @@
 //! The curved surface that a smooth face stands for, near a point of the face.
 //!
-//! The plane through each corner of the face that its normal is perpendicular to touches the curved surface there. A point of the
-//! face is moved onto those planes that lie in front of it, each as much as its corner weighs at the point (Hanika, *Hacking the
-//! shadow terminator*, Ray Tracing Gems II, 2021). So a point of a convex surface comes to lie outside of its facets, and one of a
-//! concave surface stays where it is.
+//! The plane through each corner of a facet that its normal is perpendicular to touches the curved surface there. A point of the
+//! facet is moved to where those planes are over it, each as much as its corner weighs at the point (after Hanika, *Hacking the shadow
+//! terminator*, Ray Tracing Gems II, 2021). So a point of a convex surface comes to lie outside of its facets, and one of a concave
+//! surface stays where it is.
 //!
-//! Holds: the offset is zero at corners, and on an edge it depends on the ends of the edge alone; so it is continuous over a smooth
-//! surface, as is the normal.
+//! Holds: the offset is zero at corners of the input, and on an edge it depends on the ends of the edge alone; so it is continuous
+//! over a smooth surface, as is the normal. It does not change where a facet is cut.
 
-use glam::{DVec2, DVec3};
-use smallvec::SmallVec;
+use glam::DVec3;
 
 use super::Prepared;
-use crate::geometry::mean_value;
 use crate::id::FaceId;
 
 impl Prepared {
     /// From a point of a smooth face to the curved surface in front of it, in metres; zero where the face lies in front of that.
     pub fn offset_to_curved_m(&self, face: FaceId, at_m: DVec3) -> DVec3 {
-        let frame = self.face_frame(face);
-        let corners_m: SmallVec<[DVec3; 4]> = self.corners(face).map(|corner| self.vertices_m[corner]).collect();
-        let flat: SmallVec<[DVec2; 4]> = corners_m.iter().map(|&corner_m| frame.to_2d(corner_m)).collect();
-        let weights = mean_value::coordinates(&flat, frame.to_2d(at_m));
-        let of_corner = |(&corner_m, weight): (&DVec3, f64)| {
-            let normal = self.smooth_normal(face, corner_m);
-            weight.max(0.0) * (corner_m - at_m).dot(normal).max(0.0) * normal
-        };
-        corners_m.iter().zip(weights).map(of_corner).sum()
+        let normal = self.smooth_normal(face, at_m);
+        // The normals of a skin look to the front of its polygon, which may be the back of this face.
+        let sign = self.faces[face].skin.map_or(0.0, |skin| self.skins[skin].side_of(normal, at_m));
+        let over_m = self.faces[face].skin.map_or(0.0, |skin| self.skins[skin].over_m(at_m));
+        (sign * over_m).max(0.0) * normal
     }
 }
 
@@ -63,12 +57,10 @@ mod tests {
         for face in prepared.faces.keys() {
             let corners_m = prepared.polygon_m(face);
             let middle_m = corners_m.iter().sum::<DVec3>() / 4.0;
-            let outward = prepared.normal(face);
-            // Half of each tangent plane's offset, along its normal: the parts across the facet cancel.
-            let height_m = 0.2_f64.sin() * 0.2_f64.sin() * 0.2_f64.cos();
-            assert!(prepared.offset_to_curved_m(face, middle_m).distance(height_m * outward) < 1e-6);
+            let height_m = 0.2_f64.sin() * 0.2_f64.sin();
+            assert!(prepared.offset_to_curved_m(face, middle_m).distance(height_m * prepared.normal(face)) < 1e-6);
             for corner_m in corners_m {
-                assert!(prepared.offset_to_curved_m(face, corner_m).length() < 1e-9);
+                assert!(prepared.offset_to_curved_m(face, corner_m).length() < 1e-6);
             }
         }
     }

@@ -59,6 +59,8 @@ impl Affine {
 pub struct Skin {
     uv: Option<[Affine; 2]>,
     normal: Option<[Affine; 3]>,
+    /// At corners the product of position and normal, in metres, where there are normals.
+    support_m: Affine,
 }
 
 impl Skin {
@@ -73,6 +75,19 @@ impl Skin {
         let smooth = self.normal.map(|normal| DVec3::from(normal.map(|affine| affine.at(at_m))));
         let smooth = smooth.and_then(DVec3::try_normalize).unwrap_or(front);
         if smooth.dot(front) < 0.0 { -smooth } else { smooth }
+    }
+
+    /// How far the planes that touch the smooth surface at the corners lie over a point, each by the weight of its corner, in metres:
+    /// towards the normals of the skin, below zero where they lie under it.
+    pub(super) fn over_m(&self, at_m: DVec3) -> f64 {
+        // The sum over corners c with weights w of w (c - x) . n, where w c sums to x and w n to the normal at x.
+        self.normal.map_or(0.0, |normal| self.support_m.at(at_m) - at_m.dot(DVec3::from(normal.map(|n| n.at(at_m)))))
+    }
+
+    /// 1 where a vector at a point looks to the side of the normals of the skin, or else -1.
+    pub(super) fn side_of(&self, vector: DVec3, at_m: DVec3) -> f64 {
+        let normal = self.normal.map_or(vector, |normal| DVec3::from(normal.map(|affine| affine.at(at_m))));
+        normal.dot(vector).signum()
     }
 
     /// Whether it has normals of a smooth surface.
@@ -94,7 +109,8 @@ impl Skin {
         let uv = (!corners.uvs.is_empty()).then(|| [0, 1].map(|k| affine(&|i| corners.uvs[i][k])));
         let normal =
             (smooth && !corners.normals.is_empty()).then(|| [0, 1, 2].map(|k| affine(&|i| corners.normal(i)[k])));
-        Self { uv, normal }
+        let support_m = affine(&|i| if smooth { corners.at_m[i].dot(corners.normal(i)) } else { 0.0 });
+        Self { uv, normal, support_m }
     }
 
     /// Whether it says what the corners of a polygon say.
@@ -155,8 +171,7 @@ impl<'a> Corners<'a> {
 
     /// The normal at a corner: the polygon's own where there is none of use.
     fn normal(&self, corner: usize) -> DVec3 {
-        let normal = self.normals[corner];
-        if normal == DVec3::ZERO { self.front } else { normal }
+        self.normals.get(corner).copied().filter(|normal| *normal != DVec3::ZERO).unwrap_or(self.front)
     }
 
     fn is_bare(&self) -> bool {
@@ -338,10 +353,10 @@ mod tests {
     #[test]
     fn a_normal_looks_to_the_front() {
         let affine = |x: f64| Affine { gradient: DVec3::ZERO, offset: x };
-        let skin = Skin { uv: None, normal: Some([affine(0.0), affine(0.6), affine(0.9)]) };
+        let skin = Skin { uv: None, normal: Some([affine(0.0), affine(0.6), affine(0.9)]), support_m: affine(0.0) };
         let front = skin.normal(DVec3::ZERO, DVec3::Z);
         assert!((front.length() - 1.0).abs() < 1e-12 && front.z > 0.0);
         assert_eq!(skin.normal(DVec3::ZERO, DVec3::NEG_Z), -front);
-        assert_eq!(Skin { uv: None, normal: None }.normal(DVec3::ZERO, DVec3::X), DVec3::X);
+        assert_eq!(Skin { uv: None, normal: None, support_m: affine(0.0) }.normal(DVec3::ZERO, DVec3::X), DVec3::X);
     }
 }

@@ -18,7 +18,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
-use super::near;
+use super::near::Around;
 use crate::geometry::{Plane, Tolerance};
 use crate::id::{FaceId, PlaneId, Table};
 use crate::prepare::Prepared;
@@ -63,7 +63,7 @@ pub struct Visibility {
     boxes: Table<FaceId, Aabb>,
     corners_m: Vec<DVec3>,
     /// The faces around each facet of a smooth surface.
-    around: Table<FaceId, Box<[FaceId]>>,
+    around: Around,
     tolerance: Tolerance,
 }
 
@@ -113,12 +113,12 @@ impl Visibility {
         }
         let tree = if faces.is_empty() { Bvh2::default() } else { build(faces.raw.as_slice()) };
         let boxes = faces.iter().map(Boundable::aabb).collect();
-        Self { tree, faces, boxes, corners_m, around: near::faces_around(prepared), tolerance: prepared.tolerance }
+        Self { tree, faces, boxes, corners_m, around: Around::new(prepared), tolerance: prepared.tolerance }
     }
 
-    /// A facet of a smooth surface and the faces around it, ascending.
-    pub(super) fn around_facet(&self, face: FaceId) -> &[FaceId] {
-        &self.around[face]
+    /// The faces around the facets of smooth surfaces.
+    pub(super) fn around(&self) -> &Around {
+        &self.around
     }
 
     /// The tree of boxes.
