@@ -18,7 +18,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
-use super::near::Around;
+use super::around::Around;
 use crate::geometry::{Plane, Tolerance};
 use crate::id::{FaceId, PlaneId, Table};
 use crate::prepare::Prepared;

@@ -4,6 +4,7 @@
 //! themselves do, with no sampling, so that an event that was missed elsewhere costs convergence and never a wrong
 //! value.
 
+mod around;
 mod beam;
 mod cluster;
 mod first;

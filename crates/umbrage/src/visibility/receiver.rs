@@ -4,7 +4,7 @@
 //!
 //! **Smooth faces.** Here facets stand for a curved surface, whose normals they carry. Irradiance is the integral of the radiance of
 //! all that is visible, times `max(0, n . w)` with the interpolated normal `n`: what stands behind its horizon is dark. Visibility
-//! is that of the true faces, from the true point, but for the facet itself and the faces around it ([`super::near`]):
+//! is that of the true faces, from the true point, but for the facet itself and the faces around it ([`super::around`]):
 //!
 //! ```text
 //!          n   . w  to the lamp
