@@ -69,7 +69,6 @@ fn vault() -> Scene {
         let (sine, cosine) = (PI * f64::from(row) / 12.0).sin_cos();
         (DVec3::new(2.0 * cosine, 6.0 * f64::from(column) - 3.0, 2.0 * sine), DVec3::new(-cosine, 0.0, -sine))
     });
-    scene.surfaces.raw[0].polygons.iter_mut().for_each(|polygon| polygon.reverse());
     flat(&mut scene, &[(-2.0, -3.0), (2.0, -3.0), (2.0, 3.0), (-2.0, 3.0)].map(|(x, y)| DVec3::new(x, y, 0.0)));
     let arch = |y: f64| -> Vec<DVec3> {
         let point = |i: u32| PI * f64::from(i) / 12.0;
@@ -101,8 +100,8 @@ fn smooth_surfaces_are_lit_as_paths_tell() {
         assert!(report.error.value < 0.015 + slack && slack < 0.01, "{name}: {:?}", report.error);
         assert!(report.bias.value.abs() < 0.005 + 2.0 * report.bias.standard_error, "{name}: {:?}", report.bias);
         assert!(report.leaks.is_empty() && report.uncovered == 0, "{name}: {:?}", report.leaks);
-        // By the facets' own normals it is another field.
-        let by_facets = checked(&scene, false);
-        assert!(by_facets.error.value > 2.0 * report.error.value, "{name}: {:?}", by_facets.error);
     }
+    // By the facets' own normals the ball has another field.
+    let by_facets = checked(&ball(), false);
+    assert!(by_facets.error.value > 0.03, "{:?}", by_facets.error);
 }
