@@ -211,7 +211,7 @@ proptest! {
         let mut panel = Surface::new(NodeId::from(0), glow);
         let (away, up) = (DVec3::new(f64::cos(azimuth), f64::sin(azimuth), 0.0), DVec3::Z);
         let along = away.cross(up);
-        panel.push_polygon([(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)].map(|(s, t)| 3.0 * away + s * along + t * up));
+        panel.push_polygon([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(s, t)| 3.0 * away + s * along + t * up));
         scene.surfaces.push(panel);
         let bake = bake(&scene, &BakeSettings::default(), Progress::silent()).unwrap();
         let part = &bake.mesh.parts[0];
