@@ -28,7 +28,7 @@ use crate::usage;
 const NOT_ENDED: i32 = 4;
 /// Points that are verified, and paths from each: the error is then known to about a tenth of a percent of the mean
 /// light.
-const CHECK: Settings = Settings { points: 1000, paths: 2048, seed: 1 };
+const CHECK: Settings = Settings { points: 1000, paths: 2048, seed: 1, smooth: true };
 
 /// Bake one scene and print what it took as JSON
 #[derive(Debug, Args)]

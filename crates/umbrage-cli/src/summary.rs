@@ -169,6 +169,7 @@ pub(crate) fn mended(prepare: &PrepareReport) -> Vec<String> {
         (prepare.degenerate_polygons, "polygon without area left out|polygons without area left out"),
         (prepare.duplicate_polygons, "polygon that was there twice|polygons that were there twice"),
         (prepare.nonplanar_polygons, "polygon that was not plane|polygons that were not plane"),
+        (prepare.unusable_normals, "normal turned away from its polygon|normals turned away from their polygons"),
         (prepare.turned_polygons, "polygon turned over|polygons turned over"),
         (prepare.t_vertices, "T-vertex of the input|T-vertices of the input"),
         (prepare.contact_edges, "contact edge"),

@@ -54,6 +54,9 @@ pub(crate) struct VerifyArgs {
     /// What --max-reflectance of the bake was
     #[arg(long, value_name = "R", value_parser = share, default_value_t = 0.9)]
     max_reflectance: f64,
+    /// The bake was made with --flat-shading: normals of the file count for nothing
+    #[arg(long)]
+    flat_shading: bool,
     #[command(flatten)]
     reading: SceneArgs,
 }
@@ -76,7 +79,7 @@ pub(crate) fn run(args: &VerifyArgs, output: Output) -> anyhow::Result<()> {
     let baked = read_baked(&args.baked)?;
     let begin = Instant::now();
     let bar = Bar::new(output);
-    let settings = Settings { points: args.points, paths: args.paths, seed: args.seed };
+    let settings = Settings { points: args.points, paths: args.paths, seed: args.seed, smooth: !args.flat_shading };
     let report =
         umbrage_verify::verify(&scene, &triangles(&baked), &settings, &|done, total| bar.step("verify", done, total));
     bar.clear();

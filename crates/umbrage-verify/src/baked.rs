@@ -77,7 +77,7 @@ impl<'a> Baked<'a> {
     /// Whether the bake shows nothing at some place beside a point, no farther away than a rim is wide: what is shown goes on
     /// so far beneath what stands on it.
     pub(crate) fn ends_near(&self, place: &Place) -> bool {
-        let (u, v) = place.normal.any_orthonormal_pair();
+        let (u, v) = place.front.any_orthonormal_pair();
         (0..AROUND).any(|number| {
             let direction = DVec2::from_angle(TAU * number as f64 / AROUND as f64);
             let beside = self.rim_m * (direction.x * u + direction.y * v);
@@ -92,7 +92,7 @@ impl<'a> Baked<'a> {
         let doubled = across.length();
         let normal = across / doubled;
         let away = place.position_m - corners[0];
-        if !(normal.dot(place.normal) > SAME_WAY && away.dot(normal).abs() <= self.on_plane_m) {
+        if !(normal.dot(place.front) > SAME_WAY && away.dot(normal).abs() <= self.on_plane_m) {
             return None;
         }
         let weight = |p: DVec3, q: DVec3| (p - place.position_m).cross(q - place.position_m).dot(normal) / doubled;

@@ -5,9 +5,9 @@
 //! baker this crate uses the description of a scene and nothing else, so that both cannot be wrong together.
 //!
 //! ```text
-//! scene -> sides (triangles) -> tracer (rays)  -> path (irradiance, with its noise) \
-//!                            -> points                                               verify -> report
-//! baked triangles            -> baked (value between vertices)                      /
+//! scene -> smooth (normals) -> sides (triangles) -> tracer (rays)  -> path (irradiance, with its noise) \
+//!                                              -> points                                               verify -> report
+//! baked triangles                              -> baked (value between vertices)                      /
 //! ```
 //!
 //! Holds: the report depends on the seed and never on threads or time.
@@ -18,6 +18,7 @@ mod path;
 mod points;
 mod report;
 mod sides;
+mod smooth;
 mod stratified;
 mod tracer;
 mod verify;

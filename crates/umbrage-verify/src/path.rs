@@ -5,6 +5,8 @@
 //! emitter are weighed by the balance heuristic (Veach, *Robust Monte Carlo methods for light transport simulation*,
 //! 1997): near an emitter the rays do better, far from it the chosen points. A path ends by Russian roulette.
 //!
+//! On a smooth surface light arrives by the interpolated normal ([`crate::smooth`]), at the first place and at all others.
+//!
 //! The rays of the first place are stratified. They come in batches that know nothing of one another, so that the
 //! spread of the batches tells the error of their mean, stratified or not.
 
@@ -33,7 +35,18 @@ const OUTSIDE_OF_EXTENT: f64 = 2.0;
 pub(crate) struct Place {
     pub(crate) position_m: DVec3,
     /// Unit normal of the side.
+    pub(crate) front: DVec3,
+    /// Unit normal by which it receives light: that of the smooth surface where it is part of one.
     pub(crate) normal: DVec3,
+    /// From where it sees what is around it, on a smooth surface.
+    pub(crate) near: Option<Near>,
+}
+
+/// From where a point of a smooth surface sees its polygon and those around.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Near {
+    pub(crate) polygon: usize,
+    pub(crate) from_m: DVec3,
 }
 
 /// What the paths from a point tell.
@@ -97,7 +110,7 @@ impl Paths<'_> {
             return Rgb::ZERO;
         }
         walk.rays += 1;
-        if self.tracer.blocked(place.position_m, target_m) {
+        if self.tracer.blocked(place, target_m) {
             return Rgb::ZERO;
         }
         let density = self.emitters.density(material.exitance()) * distance_m * distance_m / facing.abs();
@@ -115,7 +128,7 @@ impl Paths<'_> {
             walk.rays += 1;
             let outside_m = OUTSIDE_OF_EXTENT * self.tracer.extent_m;
             let distance_m = if arriving.distance_m.is_finite() { arriving.distance_m } else { outside_m };
-            let blocked = self.tracer.blocked(place.position_m, place.position_m + distance_m * arriving.towards);
+            let blocked = self.tracer.blocked(place, place.position_m + distance_m * arriving.towards);
             if blocked { Rgb::ZERO } else { cosine * arriving.irradiance }
         };
         self.scene.lamps.iter().map(from).sum()
@@ -130,7 +143,7 @@ impl Paths<'_> {
         for bounce in 0.. {
             let (outward, cosine) = cosine_direction(place.normal, square);
             walk.rays += 1;
-            let Some(hit) = self.tracer.nearest(place.position_m, outward) else { break };
+            let Some(hit) = self.tracer.nearest(&place, outward) else { break };
             let triangle = &self.tracer.triangles[hit.triangle];
             let material = &self.scene.materials[triangle.material];
             if !(hit.front || material.double_sided) {
@@ -152,8 +165,7 @@ impl Paths<'_> {
             } else if carried == Rgb::ZERO {
                 break;
             }
-            let normal = if hit.front { triangle.normal } else { -triangle.normal };
-            place = Place { position_m: place.position_m + hit.distance_m * outward, normal };
+            place = self.tracer.place(hit.triangle, place.position_m + hit.distance_m * outward, hit.front);
             let (share, spot) = (walk.rng.f64(), [walk.rng.f64(), walk.rng.f64()]);
             sum += carried * (self.by_emitter(&place, share, spot, walk) + self.by_lamps(&place, walk));
             square = [walk.rng.f64(), walk.rng.f64()];

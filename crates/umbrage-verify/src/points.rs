@@ -11,12 +11,12 @@ pub(crate) fn points(scene: &Scene, tracer: &Tracer, n: usize, rng: &mut Rng) ->
     let all_emit = tracer.triangles.iter().all(|triangle| scene.materials[triangle.material].emits());
     let mut total_m2 = 0.0;
     let mut sides = Vec::new();
-    for triangle in &tracer.triangles {
+    for (number, triangle) in tracer.triangles.iter().enumerate() {
         let material = &scene.materials[triangle.material];
-        let normals = [Some(triangle.normal), material.double_sided.then_some(-triangle.normal)];
-        for normal in normals.into_iter().flatten().filter(|_| all_emit || !material.emits()) {
+        let on_fronts = [Some(true), material.double_sided.then_some(false)];
+        for on_front in on_fronts.into_iter().flatten().filter(|_| all_emit || !material.emits()) {
             total_m2 += triangle.area_m2;
-            sides.push((triangle, normal, total_m2));
+            sides.push((number, on_front, total_m2));
         }
     }
     if sides.is_empty() {
@@ -26,8 +26,8 @@ pub(crate) fn points(scene: &Scene, tracer: &Tracer, n: usize, rng: &mut Rng) ->
         .map(|i| {
             let target_m2 = total_m2 * (i as f64 + rng.f64()) / n as f64;
             let place = sides.partition_point(|(.., sum)| *sum <= target_m2).min(sides.len() - 1);
-            let (triangle, normal, _) = sides[place];
-            Place { position_m: triangle.point_m([rng.f64(), rng.f64()]), normal }
+            let (number, on_front, _) = sides[place];
+            tracer.place(number, tracer.triangles[number].point_m([rng.f64(), rng.f64()]), on_front)
         })
         .collect()
 }

@@ -2,8 +2,10 @@
 
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
-use umbrage::id::MaterialId;
-use umbrage::scene::Scene;
+use umbrage::id::{MaterialId, SurfaceId};
+use umbrage::scene::{Scene, Surface};
+
+use crate::smooth::Corners;
 
 /// A triangle of a polygon of the scene.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +19,10 @@ pub(crate) struct Triangle {
     pub(crate) material: MaterialId,
     /// Area of the whole polygon: of polygons in one place the smallest is seen.
     pub(crate) polygon_area_m2: f64,
+    /// Which polygon of the scene it is of, counted over all surfaces.
+    pub(crate) polygon: usize,
+    /// Its corners, where it is part of a smooth surface.
+    pub(crate) smooth: Option<Corners>,
 }
 
 impl Triangle {
@@ -31,6 +37,8 @@ impl Triangle {
             area_m2: 0.5 * across.length(),
             material,
             polygon_area_m2,
+            polygon: 0,
+            smooth: None,
         })
     }
 
@@ -45,14 +53,17 @@ impl Triangle {
     }
 }
 
-/// All triangles of a scene that is valid.
-pub(crate) fn triangles(scene: &Scene) -> Vec<Triangle> {
+/// All triangles of a scene that is valid; `normals` are those of the corners of each polygon, none where it is flat.
+pub(crate) fn triangles(scene: &Scene, normals: &[Vec<DVec3>]) -> Vec<Triangle> {
     let mut triangles = Vec::new();
     let (mut earcut, mut indices) = (Earcut::new(), Vec::<u32>::new());
+    let mut count = 0;
     for (id, surface) in scene.surfaces.iter_enumerated() {
         for polygon in 0..surface.polygons.len() {
             let corners: Vec<DVec3> = scene.corners_m(id, polygon).collect();
             let doubled: DVec3 = corners.windows(2).map(|p| (p[0] - corners[0]).cross(p[1] - corners[0])).sum();
+            let number = count;
+            count += 1;
             let Some(normal) = doubled.try_normalize() else { continue };
             match corners[..] {
                 [_, _, _] => indices.splice(.., [0, 1, 2]).for_each(drop),
@@ -64,20 +75,26 @@ pub(crate) fn triangles(scene: &Scene) -> Vec<Triangle> {
                 }
             }
             for cut in indices.chunks_exact(3) {
-                let mut three = [cut[0], cut[1], cut[2]].map(|i| corners[i as usize]);
-                if (three[1] - three[0]).cross(three[2] - three[0]).dot(normal) < 0.0 {
-                    three.swap(1, 2);
+                let mut cut = [cut[0], cut[1], cut[2]].map(|i| i as usize);
+                let across = (corners[cut[1]] - corners[cut[0]]).cross(corners[cut[2]] - corners[cut[0]]);
+                if across.dot(normal) < 0.0 {
+                    cut.swap(1, 2);
                 }
-                triangles.extend(Triangle::new(three, surface.material, 0.5 * doubled.length()));
+                let at_m = cut.map(|i| corners[i]);
+                let of_polygon = normals.get(number).filter(|normals| !normals.is_empty());
+                let smooth = of_polygon.map(|normals| Corners { at_m, normals: cut.map(|i| normals[i]) });
+                let triangle = Triangle::new(at_m, surface.material, 0.5 * doubled.length());
+                triangles.extend(triangle.map(|triangle| Triangle { polygon: number, smooth, ..triangle }));
             }
         }
     }
     triangles
 }
 
-/// The largest side of the box around all triangles, in metres.
-pub(crate) fn extent_m(triangles: &[Triangle]) -> f64 {
-    let corners = || triangles.iter().flat_map(Triangle::corners_m);
+/// The largest side of the box around all polygons, in metres.
+pub(crate) fn extent_m(scene: &Scene) -> f64 {
+    let polygons = |(id, surface): (SurfaceId, &Surface)| (0..surface.polygons.len()).map(move |p| (id, p));
+    let corners = || scene.surfaces.iter_enumerated().flat_map(polygons).flat_map(|(id, p)| scene.corners_m(id, p));
     let (low, high) = (corners().fold(DVec3::INFINITY, DVec3::min), corners().fold(DVec3::NEG_INFINITY, DVec3::max));
     (high - low).max_element()
 }
@@ -86,7 +103,7 @@ pub(crate) fn extent_m(triangles: &[Triangle]) -> f64 {
 mod tests {
     use super::*;
     use umbrage::id::NodeId;
-    use umbrage::scene::{Material, Node, Rgb, Surface, cornell};
+    use umbrage::scene::{Material, Node, Rgb, cornell};
 
     #[test]
     fn a_concave_polygon_keeps_its_area_and_its_front() {
@@ -99,7 +116,7 @@ mod tests {
             polygons: vec![(0..6).collect()],
             ..Surface::new(NodeId::from(0), material)
         });
-        let triangles = triangles(&scene);
+        let triangles = triangles(&scene, &[]);
         assert_eq!(triangles.len(), 4);
         assert!((triangles.iter().map(|t| t.area_m2).sum::<f64>() - 6.0).abs() < 1e-12);
         assert!(triangles.iter().all(|t| t.normal.distance(DVec3::Z) < 1e-12 && t.polygon_area_m2 == 6.0));
@@ -108,6 +125,6 @@ mod tests {
     #[test]
     fn the_cornell_box_has_its_triangles() {
         // 18 quadrilaterals and two triangles.
-        assert_eq!(triangles(&cornell::cornell_box()).len(), 38);
+        assert_eq!(triangles(&cornell::cornell_box(), &[]).len(), 38);
     }
 }

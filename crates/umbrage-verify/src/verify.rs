@@ -12,6 +12,7 @@ use crate::baked::Baked;
 use crate::emitters::Emitters;
 use crate::path::{BATCHES, Gathered, Paths};
 use crate::report::{CheckedPoint, Report};
+use crate::smooth::SmoothSurfaces;
 use crate::tracer::Tracer;
 use crate::{points, sides};
 
@@ -41,11 +42,13 @@ pub struct Settings {
     pub paths: usize,
     /// Where the random numbers begin: another seed checks other points by other paths.
     pub seed: u64,
+    /// Whether surfaces whose normals say so are smooth.
+    pub smooth: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { points: 1000, paths: 8192, seed: 1 }
+        Self { points: 1000, paths: 8192, seed: 1, smooth: true }
     }
 }
 
@@ -76,7 +79,9 @@ pub fn verify(
     progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
 ) -> Result<Report, VerifyError> {
     scene.validate()?;
-    let tracer = Tracer::new(sides::triangles(scene));
+    let extent_m = sides::extent_m(scene);
+    let smooth = if settings.smooth { SmoothSurfaces::new(scene, extent_m) } else { SmoothSurfaces::default() };
+    let tracer = Tracer::new(scene, &smooth, extent_m);
     let baked = Baked::new(baked, tracer.extent_m);
     let emitters = Emitters::new(scene, &tracer);
     let paths = Paths { scene, tracer: &tracer, emitters: &emitters };
@@ -101,7 +106,7 @@ pub fn verify(
     for (place, (shown, gathered)) in places.iter().zip(&gathered) {
         rays += gathered.rays;
         let is_dark = gathered.batches.iter().all(|&batch| batch == Rgb::ZERO);
-        let point = |shown| CheckedPoint::new(place.position_m, place.normal, shown, &gathered.batches);
+        let point = |shown| CheckedPoint::new(place.position_m, place.front, shown, &gathered.batches);
         match shown {
             // What no light reaches may be left out of a bake.
             None if is_dark => buried.push(point(Rgb::ZERO)),

@@ -61,7 +61,7 @@ fn triangles(mesh: &BakedMesh) -> Vec<BakedTriangle> {
 fn light_in_narrow_gaps_is_what_paths_tell() {
     let scene = room();
     let baked = bake(&scene, &BakeSettings::default(), Progress::silent()).unwrap();
-    let settings = Settings { points: 1000, paths: 2048, seed: 3 };
+    let settings = Settings { points: 1000, paths: 2048, seed: 3, ..Settings::default() };
     let report: Report = verify(&scene, &triangles(&baked.mesh), &settings, &|_, _| ControlFlow::Continue(())).unwrap();
     println!("{} triangles, {:?} {:?} {:?}", baked.report.triangles, report.error, report.bias, report.noise);
     assert!(report.error.value <= 0.01, "{:?}", report.error);

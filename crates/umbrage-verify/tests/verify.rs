@@ -39,7 +39,7 @@ fn lit(scene: &Scene, surface: usize, light: impl Fn(DVec3) -> Rgb) -> Vec<Baked
 }
 
 fn check(scene: &Scene, baked: &[BakedTriangle], points: usize, paths: usize) -> Report {
-    verify(scene, baked, &Settings { points, paths, seed: 1 }, &|_, _| ControlFlow::Continue(())).unwrap()
+    verify(scene, baked, &Settings { points, paths, ..Settings::default() }, &|_, _| ControlFlow::Continue(())).unwrap()
 }
 
 /// A cube whose faces all emit 1 W/m2 and reflect a half: irradiance is 2 W/m2 everywhere.
@@ -136,7 +136,7 @@ fn the_report_depends_on_the_seed_and_not_on_threads() {
     let baked = lit(&scene, 0, |p| Rgb::new(2.0, 2.0 + 0.1 * p.y, 1.9));
     let with = |threads: usize, seed: u64| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let settings = Settings { points: 50, paths: 32, seed };
+        let settings = Settings { points: 50, paths: 32, seed, ..Settings::default() };
         pool.install(|| verify(&scene, &baked, &settings, &|_, _| ControlFlow::Continue(())).unwrap())
     };
     assert_eq!(with(1, 1), with(2, 1));
@@ -146,7 +146,7 @@ fn the_report_depends_on_the_seed_and_not_on_threads() {
 #[test]
 fn what_cannot_be_compared_is_told() {
     let scene = cornell::cornell_box();
-    let settings = Settings { points: 10, paths: 8, seed: 1 };
+    let settings = Settings { points: 10, paths: 8, seed: 1, ..Settings::default() };
     assert_eq!(verify(&scene, &[], &settings, &|_, _| ControlFlow::Continue(())), Err(VerifyError::NothingToCompare));
     let refused = verify(&Scene::default(), &[], &settings, &|_, _| ControlFlow::Continue(()));
     assert!(matches!(refused, Err(VerifyError::Scene(_))));

@@ -104,6 +104,8 @@ pub struct PrepareReport {
     pub duplicate_polygons: usize,
     /// Polygons that were not plane and were cut into triangles.
     pub nonplanar_polygons: usize,
+    /// Corners of smooth polygons whose normals are turned away from the polygon, whose own normal counts there instead.
+    pub unusable_normals: usize,
     /// Polygons of closed shells that looked another way than most of their shell, and were turned over: a guess.
     pub turned_polygons: usize,
     /// Vertices of the input that lay inside another polygon's edge (T-vertices), and cut it.

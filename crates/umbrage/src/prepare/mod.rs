@@ -15,6 +15,7 @@
 //! 12. `assemble`: pieces become faces, in an order that depends on the scene only.
 //!
 //! `draft` holds the result of steps 1 to 10; faces that turn out to be hidden are left out of it, and steps 9 to 12 are done again.
+//! Beside them, `curved` tells of a point of a face how the smooth surface lies that the face stands for.
 
 mod arrangement;
 mod assemble;
@@ -22,6 +23,7 @@ mod contact;
 mod convex;
 mod coplanar;
 mod crossing;
+mod curved;
 mod diagonal;
 mod draft;
 mod error;
@@ -49,5 +51,5 @@ pub use face::{DirectedEdge, Edge, Face, Facing, PrepareReport, Prepared, Prepar
 pub use orient::orient;
 pub use shell::{Shells, shells};
 pub use skin::Skin;
-pub(crate) use skin::is_smooth_at;
+pub(crate) use skin::is_one_surface_at;
 pub use stages::{PrepareSettings, draft, prepare, prepare_with};

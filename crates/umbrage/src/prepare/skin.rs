@@ -7,7 +7,7 @@
 //!
 //! Normals matter only where they make a surface smooth: along an edge between polygons of two planes that has the same
 //! normals on both sides and bends by little. Elsewhere, as on the walls of a room that was shaded smooth by oversight,
-//! they are left.
+//! they are left. A normal that is turned away from its polygon is left, too, and counted: there the polygon is flat.
 //!
 //! Skins grow from the largest polygons to their neighbours across edges; each neighbour is compared with the function
 //! of the first, so that nothing drifts.
@@ -19,15 +19,19 @@ use super::Facing;
 use super::coplanar::Planes;
 use super::soup::Polygon;
 use super::weld::Points;
+use crate::geometry::polygon::doubled_area_vector;
 use crate::id::{PlaneId, SkinId, SurfaceId, Table, VertexId};
 use crate::scene::{Scene, Surface};
 
 /// Texture coordinates that differ by less are the same: 0.4 texels of an image 4096 wide, more than the rounding of
 /// coordinates that files keep in 16 bits.
 const SAME_UV: f64 = 1e-4;
-/// A function of the position that gives a normal within this, in radians, gives it: nothing is seen of that, and plane
-/// facets of curved surfaces are merged more often.
-const SAME_NORMAL_RAD: f64 = 0.05;
+/// A function of the position that gives a normal within this, in radians, gives it: the light of a smooth surface changes with its
+/// normal, so this is what it may err at grazing incidence.
+const SAME_NORMAL_RAD: f64 = 0.01;
+/// A normal with a smaller cosine to the front of its polygon (it is turned away by more than 84 degrees) tells nothing of the
+/// surface there.
+const LEAST_FACING_COSINE: f64 = 0.1;
 /// At a smooth edge, the normals of its two faces differ by less than this share of the bend. In a flat surface they
 /// differ by all of it, in a smooth one by nothing but rounding.
 const SMOOTH_OF_BEND: f64 = 0.5;
@@ -55,6 +59,8 @@ impl Affine {
 pub struct Skin {
     uv: Option<[Affine; 2]>,
     normal: Option<[Affine; 3]>,
+    /// At corners the product of position and normal, in metres, where there are normals.
+    support_m: Affine,
 }
 
 impl Skin {
@@ -69,6 +75,19 @@ impl Skin {
         let smooth = self.normal.map(|normal| DVec3::from(normal.map(|affine| affine.at(at_m))));
         let smooth = smooth.and_then(DVec3::try_normalize).unwrap_or(front);
         if smooth.dot(front) < 0.0 { -smooth } else { smooth }
+    }
+
+    /// How far the planes that touch the smooth surface at the corners lie over a point, each by the weight of its corner, in metres:
+    /// towards the normals of the skin, below zero where they lie under it.
+    pub(super) fn over_m(&self, at_m: DVec3) -> f64 {
+        // The sum over corners c with weights w of w (c - x) . n, where w c sums to x and w n to the normal at x.
+        self.normal.map_or(0.0, |normal| self.support_m.at(at_m) - at_m.dot(DVec3::from(normal.map(|n| n.at(at_m)))))
+    }
+
+    /// 1 where a vector at a point looks to the side of the normals of the skin, or else -1.
+    pub(super) fn side_of(&self, vector: DVec3, at_m: DVec3) -> f64 {
+        let normal = self.normal.map_or(vector, |normal| DVec3::from(normal.map(|affine| affine.at(at_m))));
+        normal.dot(vector).signum()
     }
 
     /// Whether it has normals of a smooth surface.
@@ -89,8 +108,9 @@ impl Skin {
         };
         let uv = (!corners.uvs.is_empty()).then(|| [0, 1].map(|k| affine(&|i| corners.uvs[i][k])));
         let normal =
-            (smooth && !corners.normals.is_empty()).then(|| [0, 1, 2].map(|k| affine(&|i| corners.normals[i][k])));
-        Self { uv, normal }
+            (smooth && !corners.normals.is_empty()).then(|| [0, 1, 2].map(|k| affine(&|i| corners.normal(i)[k])));
+        let support_m = affine(&|i| if smooth { corners.at_m[i].dot(corners.normal(i)) } else { 0.0 });
+        Self { uv, normal, support_m }
     }
 
     /// Whether it says what the corners of a polygon say.
@@ -98,7 +118,7 @@ impl Skin {
         let is_same = |(i, &at_m): (usize, &DVec3)| {
             let uv = self.uv(at_m).is_none_or(|uv| uv.distance(corners.uvs[i]) <= SAME_UV);
             let normal = self.normal.map(|normal| DVec3::from(normal.map(|affine| affine.at(at_m))));
-            uv && normal.is_none_or(|normal| normal.distance(corners.normals[i]) <= SAME_NORMAL_RAD)
+            uv && normal.is_none_or(|normal| normal.distance(corners.normal(i)) <= SAME_NORMAL_RAD)
         };
         corners.at_m.iter().enumerate().all(is_same)
     }
@@ -119,7 +139,12 @@ fn wide_corners(at_m: &[DVec3]) -> [usize; 3] {
 struct Corners<'a> {
     at_m: SmallVec<[DVec3; 4]>,
     uvs: SmallVec<[DVec2; 4]>,
+    /// Unit normals towards the front; zero where there is none of use.
     normals: SmallVec<[DVec3; 4]>,
+    /// Unit normal of the polygon.
+    front: DVec3,
+    /// Normals that are turned away from the front.
+    unusable: usize,
     surface: &'a Surface,
 }
 
@@ -127,9 +152,26 @@ impl<'a> Corners<'a> {
     fn of(polygon: &Polygon, surface: &'a Surface, points: &Points) -> Self {
         let source = || polygon.sources.iter().map(|&i| i as usize);
         let uvs = if surface.uvs.is_empty() { SmallVec::new() } else { source().map(|i| surface.uvs[i]).collect() };
-        let normals =
+        let mut normals: SmallVec<[DVec3; 4]> =
             if surface.normals.is_empty() { SmallVec::new() } else { source().map(|i| surface.normals[i]).collect() };
-        Self { at_m: polygon.corners.iter().map(|&v| points[v]).collect(), uvs, normals, surface }
+        let at_m: SmallVec<[DVec3; 4]> = polygon.corners.iter().map(|&v| points[v]).collect();
+        let front = doubled_area_vector(&at_m).normalize_or_zero();
+        // Files do not agree on the normals of polygons that look the other way.
+        let sign = if normals.iter().sum::<DVec3>().dot(front) < 0.0 { -1.0 } else { 1.0 };
+        let mut unusable = 0;
+        for normal in normals.iter_mut().filter(|normal| **normal != DVec3::ZERO) {
+            *normal = (sign * *normal).normalize_or_zero();
+            if normal.dot(front) < LEAST_FACING_COSINE {
+                *normal = DVec3::ZERO;
+                unusable += 1;
+            }
+        }
+        Self { at_m, uvs, normals, front, unusable, surface }
+    }
+
+    /// The normal at a corner: the polygon's own where there is none of use.
+    fn normal(&self, corner: usize) -> DVec3 {
+        self.normals.get(corner).copied().filter(|normal| *normal != DVec3::ZERO).unwrap_or(self.front)
     }
 
     fn is_bare(&self) -> bool {
@@ -148,6 +190,8 @@ pub(super) fn is_affine(polygon: &Polygon, surface: &Surface, points: &Points) -
 pub(super) struct Skins {
     pub(super) all: Table<SkinId, Skin>,
     pub(super) of_polygon: Vec<Option<SkinId>>,
+    /// Corners of smooth polygons whose normals are turned away from the front: there the polygon's own counts.
+    pub(super) unusable_normals: usize,
 }
 
 impl Skins {
@@ -155,12 +199,13 @@ impl Skins {
     pub(super) fn new(scene: &Scene, soup: &[Polygon], planes: &Planes, points: &Points, smooth: bool) -> Self {
         let corners: Vec<Corners<'_>> =
             soup.iter().map(|polygon| Corners::of(polygon, &scene.surfaces[polygon.surface], points)).collect();
-        let mut skins = Self { all: Table::new(), of_polygon: vec![None; soup.len()] };
+        let mut skins = Self { all: Table::new(), of_polygon: vec![None; soup.len()], unusable_normals: 0 };
         if corners.iter().all(Corners::is_bare) {
             return skins;
         }
         let neighbours = Neighbours::new(soup, &corners);
         let is_smooth = if smooth { neighbours.smooth(&corners, planes) } else { vec![false; soup.len()] };
+        skins.unusable_normals = corners.iter().zip(&is_smooth).filter(|(_, is)| **is).map(|(c, _)| c.unusable).sum();
         let mut largest_first: Vec<usize> = (0..soup.len()).filter(|&p| !corners[p].is_bare()).collect();
         largest_first.sort_by(|&p, &q| soup[q].area_m2.total_cmp(&soup[p].area_m2).then(p.cmp(&q)));
         let kind = |p: usize| -> (PlaneId, Facing, SurfaceId, bool) {
@@ -251,11 +296,18 @@ impl Neighbours {
 }
 
 /// Whether the edge between two faces is smooth at a point, where their corners have these normals.
-pub(crate) fn is_smooth_at(fronts: [DVec3; 2], normals: [DVec3; 2]) -> bool {
+fn is_smooth_at(fronts: [DVec3; 2], normals: [DVec3; 2]) -> bool {
     let [one, other] = fronts;
     one.dot(other) >= LEAST_SMOOTH_COSINE
         && !normals.contains(&DVec3::ZERO)
         && normals[0].distance(normals[1]) <= SMOOTH_OF_BEND * one.distance(other)
+}
+
+/// Whether two faces of smooth surfaces, with these fronts, are one surface at a point of their common edge, where they have these
+/// normals: then both receive the same light there. Facets of one plane are, if their normals are the same.
+pub(crate) fn is_one_surface_at(fronts: [DVec3; 2], normals: [DVec3; 2]) -> bool {
+    let bend = fronts[0].distance(fronts[1]).max(2.0 * SAME_NORMAL_RAD / SMOOTH_OF_BEND);
+    fronts[0].dot(fronts[1]) >= LEAST_SMOOTH_COSINE && normals[0].distance(normals[1]) <= SMOOTH_OF_BEND * bend
 }
 
 #[cfg(test)]
@@ -273,6 +325,8 @@ mod tests {
             at_m: at_m.iter().copied().collect(),
             uvs: at_m.iter().map(|&p| uv_at(p)).collect(),
             normals: SmallVec::new(),
+            front: DVec3::Z,
+            unusable: 0,
             surface: &surface,
         };
         let skin = Skin::of(&corners, true);
@@ -299,10 +353,10 @@ mod tests {
     #[test]
     fn a_normal_looks_to_the_front() {
         let affine = |x: f64| Affine { gradient: DVec3::ZERO, offset: x };
-        let skin = Skin { uv: None, normal: Some([affine(0.0), affine(0.6), affine(0.9)]) };
+        let skin = Skin { uv: None, normal: Some([affine(0.0), affine(0.6), affine(0.9)]), support_m: affine(0.0) };
         let front = skin.normal(DVec3::ZERO, DVec3::Z);
         assert!((front.length() - 1.0).abs() < 1e-12 && front.z > 0.0);
         assert_eq!(skin.normal(DVec3::ZERO, DVec3::NEG_Z), -front);
-        assert_eq!(Skin { uv: None, normal: None }.normal(DVec3::ZERO, DVec3::X), DVec3::X);
+        assert_eq!(Skin { uv: None, normal: None, support_m: affine(0.0) }.normal(DVec3::ZERO, DVec3::X), DVec3::X);
     }
 }

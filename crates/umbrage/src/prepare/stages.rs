@@ -85,6 +85,7 @@ pub fn draft(scene: &Scene, settings: PrepareSettings, progress: Progress<'_>) -
     pulse(1)?;
     let planes = coplanar::planes(&soup, &points, &tolerance);
     let skins = Skins::new(scene, &soup, &planes, &points, settings.smooth);
+    report.unusable_normals = skins.unusable_normals;
     pulse(2)?;
     let contacts = if settings.cut_contacts {
         contact::contacts(&soup, &planes, &mut points, &tolerance, &mut report.dropped_cuts, || pulse(2))?

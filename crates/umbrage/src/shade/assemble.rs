@@ -11,7 +11,6 @@ use super::corner_group;
 use super::field::{Field, Places, Values};
 use super::flat::{self, Limit, LitTriangle};
 use super::rim;
-use super::smooth;
 use super::{BakedMesh, BakedPart};
 use crate::id::{FaceId, SurfaceId, Table, VertexId};
 use crate::mesh::Mesh;
@@ -47,8 +46,8 @@ pub(super) fn assemble(
     progress: Progress<'_>,
 ) -> Result<(BakedMesh, usize), Cancelled> {
     let triangles = corner_group::triangles(mesh);
-    let (groups, group_of) = corner_group::corner_groups(prepared, mesh, &triangles);
-    let values = groups
+    let (groups, group_of) = corner_group::corner_groups(prepared, mesh, places, &triangles);
+    let mut values = groups
         .par_iter()
         .enumerate()
         .map(|(number, group)| {
@@ -57,18 +56,15 @@ pub(super) fn assemble(
             }
             let patch = triangles[group.first_triangle].patch;
             let place = places.vertex(mesh, patch, group.vertex);
-            if let Some(value) = known.get(&place.key).filter(|_| place.key.is_of_plane()) {
+            if let Some(value) = known.get(&place.key).filter(|_| place.key.is_shared()) {
                 return Ok(value);
             }
-            let point = ReceiverPoint {
-                position_m: group.at_m,
-                normal: prepared.normal(group.face),
-                plane: prepared.faces[group.face].plane,
-            };
+            let plane = prepared.faces[group.face].plane;
+            let flat = || ReceiverPoint::on_plane(group.at_m, prepared.normal(group.face), plane);
+            let point = if prepared.is_smooth(group.face) { place.point } else { flat() };
             Ok(irradiance.at(mesh, &point, patch))
         })
         .collect::<Result<Vec<Rgb>, Cancelled>>()?;
-    let mut values = smooth::smooth(prepared, mesh, &triangles, &groups, &group_of, &values);
     let lit = triangles.iter().zip(group_of);
     let mut lit: Vec<LitTriangle> =
         lit.map(|(t, values)| LitTriangle { face: t.face, vertices: t.vertices, values }).collect();
@@ -107,7 +103,7 @@ fn parts(
         let irradiance = values[value].max(Rgb::ZERO).as_vec3().to_array();
         (
             at_m.as_vec3().to_array(),
-            smooth::normal(prepared, face, at_m),
+            prepared.smooth_normal(face, at_m).as_vec3().normalize().to_array(),
             irradiance,
             uv.map(|uv| uv.as_vec2().to_array()),
         )

@@ -1,7 +1,7 @@
 //! Which corners of triangles share one value of irradiance.
 //!
-//! Around a vertex, the corners of coplanar triangles that look the same way and meet along edges share a value, except
-//! across a contact (D0): there the value jumps, and each side has its own. The side is told by the patch that owns the
+//! Around a vertex, the corners of triangles that meet along edges share a value where these are coplanar and look the same way, or are
+//! one smooth surface, except across a contact (D0): there the value jumps, and each side has its own. The side is told by the patch that owns the
 //! corner, never by a coordinate. Where a contact ends or turns, the irradiance depends on the direction from which the
 //! vertex is approached, and every corner keeps a value of its own.
 
@@ -9,6 +9,8 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
+use super::disjoint_sets::DisjointSets;
+use super::field::Places;
 use crate::discontinuity::is_contact;
 use crate::id::{EdgeId, FaceId, PatchId, Table, VertexId};
 use crate::mesh::Mesh;
@@ -17,6 +19,9 @@ use crate::prepare::Prepared;
 /// An angle at a vertex that differs from a half or whole turn by less than this, in radians, is one: rounding of `f32`
 /// vertices turns the edges of slim triangles by more than that of `f64`.
 const SAME_ANGLE_RAD: f64 = 1e-3;
+/// On a smooth surface the corners to one side of a contact may make up so much less or more than half a turn, in radians: the surface
+/// is curved.
+const CURVED_ANGLE_RAD: f64 = 0.6;
 
 /// A triangle of the display mesh: a leaf patch with its three vertices.
 #[derive(Clone, Copy, Debug)]
@@ -24,14 +29,14 @@ pub(super) struct Triangle {
     pub(super) patch: PatchId,
     pub(super) face: FaceId,
     pub(super) vertices: [VertexId; 3],
-    pub(super) edges: [EdgeId; 3],
+    edges: [EdgeId; 3],
 }
 
 /// Corners that share one value of irradiance.
 #[derive(Clone, Debug)]
 pub(super) struct CornerGroup {
     pub(super) vertex: VertexId,
-    /// A face that the corners lie on: the others are coplanar with it and look the same way.
+    /// A face that the corners lie on: the others are coplanar with it and look the same way, or are one smooth surface with it.
     pub(super) face: FaceId,
     /// The first of its triangles.
     pub(super) first_triangle: usize,
@@ -60,6 +65,7 @@ pub(super) fn triangles(mesh: &Mesh) -> Vec<Triangle> {
 pub(super) fn corner_groups(
     prepared: &Prepared,
     mesh: &Mesh,
+    places: &Places<'_>,
     triangles: &[Triangle],
 ) -> (Vec<CornerGroup>, Vec<[usize; 3]>) {
     let mut links = DisjointSets::new(3 * triangles.len());
@@ -79,15 +85,11 @@ pub(super) fn corner_groups(
             }
         }
     }
-    let faces = &prepared.faces;
-    let side = |number: usize| {
-        let face = &faces[triangles[number].face];
-        (face.plane, face.facing)
-    };
-    for sharing in &along {
+    for (edge, sharing) in along.iter_enumerated() {
+        let root = mesh.edges().root(edge);
         for (k, &(one, i)) in sharing.iter().enumerate() {
             for &(other, j) in &sharing[k + 1..] {
-                if side(one) == side(other) {
+                if places.is_one_side(root, [one, other].map(|number| triangles[number].face)) {
                     // The two triangles pass along their common edge in opposite directions.
                     links.join(3 * one + i, 3 * other + (j + 1) % 3);
                     links.join(3 * one + (i + 1) % 3, 3 * other + j);
@@ -113,7 +115,9 @@ fn collect(
     for corners in members.iter().filter(|corners| !corners.is_empty()) {
         let turn_rad: f64 = corners.iter().map(|&corner| angle_rad(mesh, triangles, corner)).sum();
         let contact = corners.iter().any(|&corner| at_contact[corner]);
-        let apart = contact && (turn_rad - PI).abs() > SAME_ANGLE_RAD;
+        let is_smooth = prepared.is_smooth(triangles[corners[0] / 3].face);
+        let slack_rad = if is_smooth { CURVED_ANGLE_RAD } else { SAME_ANGLE_RAD };
+        let apart = contact && (turn_rad - PI).abs() > slack_rad;
         let parts: Vec<&[usize]> = if apart { corners.chunks(1).collect() } else { vec![corners] };
         for part in parts {
             let surrounded = !apart && (turn_rad - TAU).abs() < SAME_ANGLE_RAD;
@@ -125,7 +129,7 @@ fn collect(
 }
 
 /// Angle of a triangle at a corner, in radians.
-pub(super) fn angle_rad(mesh: &Mesh, triangles: &[Triangle], corner: usize) -> f64 {
+fn angle_rad(mesh: &Mesh, triangles: &[Triangle], corner: usize) -> f64 {
     let [at, next, previous] = corner_points(mesh, triangles, corner);
     (next - at).angle_between(previous - at)
 }
@@ -156,29 +160,4 @@ fn group(prepared: &Prepared, mesh: &Mesh, triangles: &[Triangle], corners: &[us
     }
     let inside_m = if surrounded { at_m } else { at_m + reach_m * bisector.normalize_or_zero() };
     CornerGroup { vertex, face: first.face, first_triangle: corners[0] / 3, at_m: inside_m }
-}
-
-/// Disjoint sets whose representative is the least member.
-pub(super) struct DisjointSets(Vec<usize>);
-
-impl DisjointSets {
-    /// Each member alone.
-    pub(super) fn new(count: usize) -> Self {
-        Self((0..count).collect())
-    }
-
-    /// The least member of a set.
-    pub(super) fn first_of(&mut self, mut member: usize) -> usize {
-        while self.0[member] != member {
-            self.0[member] = self.0[self.0[member]];
-            member = self.0[member];
-        }
-        member
-    }
-
-    /// Makes one set of two.
-    pub(super) fn join(&mut self, one: usize, other: usize) {
-        let (one, other) = (self.first_of(one), self.first_of(other));
-        self.0[one.max(other)] = one.min(other);
-    }
 }

@@ -1,8 +1,10 @@
 //! A field of irradiance on the mesh, and its values at the points where the mesh needs them.
 //!
-//! A value belongs to a point *of a side*: of all coplanar faces that look the same way, or of one patch alone where a
-//! contact (D0) passes through the point, since the value jumps there. The limit is taken from inside a patch: at a
-//! vertex, a little towards the middle of the patch.
+//! A value belongs to a point *of a side*: of all coplanar faces that look the same way, of all facets that are one smooth surface
+//! there ([`super::joints`]), or of one patch alone where a contact (D0) passes through the point, since the value jumps there. The
+//! limit is taken from inside a patch: at a vertex, a little towards the middle of the patch.
+//!
+//! Holds: what is interpolated between values is continuous over a smooth surface, since facets share them along their edges.
 //!
 //! Values are kept, so that a point that serves the estimate of the error and later the mesh is evaluated once.
 
@@ -10,8 +12,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
+use super::joints::Joints;
 use crate::discontinuity::is_contact;
-use crate::id::{PatchId, PlaneId, Table, VertexId};
+use crate::id::{EdgeId, FaceId, PatchId, PlaneId, Table, VertexId};
 use crate::mesh::{BoundaryPoint, Mesh};
 use crate::prepare::{Facing, Prepared};
 use crate::progress::{Cancelled, Progress, Stage};
@@ -54,6 +57,8 @@ pub(super) trait Field: Sync {
 enum Side {
     /// All coplanar faces that look this way.
     Plane(PlaneId, Facing),
+    /// All facets that are one smooth surface here with this one, the least of them.
+    Surface(FaceId),
     /// This patch alone: a contact passes through the point.
     Patch(PatchId),
 }
@@ -66,9 +71,9 @@ pub(super) struct MeshPoint {
 }
 
 impl MeshPoint {
-    /// Whether its value holds for all patches of a plane around it: no contact passes through it.
-    pub(super) fn is_of_plane(&self) -> bool {
-        matches!(self.side, Side::Plane(..))
+    /// Whether its value holds for all patches of a plane or smooth surface around it: no contact passes through it.
+    pub(super) fn is_shared(&self) -> bool {
+        !matches!(self.side, Side::Patch(_))
     }
 }
 
@@ -88,6 +93,8 @@ pub(super) struct Places<'a> {
     contact_vertices: Table<VertexId, bool>,
     /// Whether a contact runs along an edge of the prepared faces.
     contact_edges: Vec<bool>,
+    /// Where facets are one smooth surface.
+    joints: Joints,
 }
 
 impl<'a> Places<'a> {
@@ -105,7 +112,7 @@ impl<'a> Places<'a> {
         for rim in &prepared.rims {
             prepared.edges[rim.edge].ends.iter().for_each(|&end| contact_vertices[end] = true);
         }
-        Self { prepared, contact_vertices, contact_edges }
+        Self { prepared, contact_vertices, contact_edges, joints: Joints::new(prepared) }
     }
 
     /// Whether a vertex is where contacts end or turn: there irradiance depends on the direction from which one comes.
@@ -121,12 +128,29 @@ impl<'a> Places<'a> {
             }
     }
 
-    fn side(&self, mesh: &Mesh, patch: PatchId, jumps: bool) -> Side {
-        if jumps {
-            return Side::Patch(patch);
+    /// The side of a point of `patch`; `surface` tells, of a face that is smooth, which surface it is there.
+    fn side(&self, mesh: &Mesh, patch: PatchId, jumps: bool, surface: impl Fn(FaceId) -> FaceId) -> Side {
+        let id = mesh.patch(patch).face;
+        let face = &self.prepared.faces[id];
+        match (jumps, self.prepared.is_smooth(id)) {
+            (true, _) => Side::Patch(patch),
+            (false, true) => Side::Surface(surface(id)),
+            (false, false) => Side::Plane(face.plane, face.facing),
         }
-        let face = &self.prepared.faces[mesh.patch(patch).face];
-        Side::Plane(face.plane, face.facing)
+    }
+
+    /// The surface of a facet on an edge of the mesh: inside the facet, that is the facet.
+    fn surface_at(&self, root: EdgeId, face: FaceId) -> FaceId {
+        if root.index() < self.contact_edges.len() { self.joints.at_edge(root, face) } else { face }
+    }
+
+    /// Whether two faces beside an edge of the mesh, with this root, receive the same light along it, but for contacts.
+    pub(super) fn is_one_side(&self, root: EdgeId, [one, other]: [FaceId; 2]) -> bool {
+        if [one, other].iter().any(|&face| self.prepared.is_smooth(face)) {
+            return self.surface_at(root, one) == self.surface_at(root, other);
+        }
+        let side = |face: FaceId| (self.prepared.faces[face].plane, self.prepared.faces[face].facing);
+        side(one) == side(other)
     }
 
     /// The receiver point of `patch` next to `at_m`, which lies on its boundary.
@@ -135,16 +159,20 @@ impl<'a> Places<'a> {
         let inward = mesh.patch(patch).centroid_m - at_m;
         let most_m = INSIDE_OF_EXTENT * self.prepared.tolerance.extent_m;
         let step_m = (INSIDE * inward.length()).min(most_m);
-        ReceiverPoint {
-            position_m: at_m + step_m * inward.normalize_or_zero(),
-            normal: self.prepared.normal(face),
-            plane: self.prepared.faces[face].plane,
+        let position_m = at_m + step_m * inward.normalize_or_zero();
+        if self.prepared.is_smooth(face) {
+            return ReceiverPoint::on_face(self.prepared, face, position_m);
         }
+        ReceiverPoint::on_plane(position_m, self.prepared.normal(face), self.prepared.faces[face].plane)
     }
 
     /// The value at a boundary point of a patch.
     pub(super) fn vertex(&self, mesh: &Mesh, patch: PatchId, vertex: VertexId) -> Request {
-        let side = self.side(mesh, patch, self.on_contact(mesh, vertex));
+        let surface = |face| match mesh.split_root(vertex) {
+            Some(root) => self.surface_at(root, face),
+            None => self.joints.at_vertex(vertex, face),
+        };
+        let side = self.side(mesh, patch, self.on_contact(mesh, vertex), surface);
         let point = self.inside(mesh, patch, mesh.vertex_m(vertex));
         let vertices = sorted(mesh.halved_by(vertex).unwrap_or([vertex; 2]));
         Request { key: MeshPoint { vertices, side }, point, patch }
@@ -157,7 +185,9 @@ impl<'a> Places<'a> {
             let root = mesh.edges().root(end.leaf.edge);
             mesh.is_jump(root) || self.contact_edges.get(root.index()).copied().unwrap_or(false)
         });
-        let side = self.side(mesh, patch, jumps);
+        let along = ends.iter().map(|end| end.leaf.edge).find(|&edge| sorted(mesh.edges().ends(edge)) == vertices);
+        let surface = |face| along.map_or(face, |edge| self.surface_at(mesh.edges().root(edge), face));
+        let side = self.side(mesh, patch, jumps, surface);
         let at_m = mesh.vertex_m(vertices[0]).midpoint(mesh.vertex_m(vertices[1]));
         Request { key: MeshPoint { vertices, side }, point: self.inside(mesh, patch, at_m), patch }
     }

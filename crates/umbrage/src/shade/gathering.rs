@@ -179,17 +179,16 @@ impl<'a, F: FnMut(Term)> Gathering<'a, F> {
 
     /// Whether a point of a source is seen past some faces, or past all where none are given.
     fn sees(&mut self, among: Option<&[FaceId]>, source: &FlatSource, to_m: DVec3) -> bool {
-        let (visibility, from_m) = (self.light.visibility, self.receiver.position_m);
-        let planes = [self.receiver.plane, source.plane];
-        if self.stopped_by.is_some_and(|face| visibility.is_blocked_by(face, from_m, to_m, planes)) {
+        let (visibility, source) = (self.light.visibility, Some(source.plane));
+        if self.stopped_by.is_some_and(|face| visibility.stops(face, self.receiver, to_m, source)) {
             return false;
         }
-        let blocker = visibility.blocker(among, from_m, to_m, planes);
-        if let Some(face) = blocker {
+        let stopper = visibility.stopper(self.receiver, to_m, source, among);
+        if let Some(face) = stopper {
             self.screens.note(face);
-            self.stopped_by = blocker;
+            self.stopped_by = stopper;
         }
-        blocker.is_none()
+        stopper.is_none()
     }
 }
 

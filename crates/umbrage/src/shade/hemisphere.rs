@@ -34,7 +34,7 @@ impl Irradiance<'_> {
             let height = (1.0 - x * x - y * y).max(0.0).sqrt();
             let direction = x * frame.0 + y * frame.1 + height * receiver.normal;
             let to_m = receiver.position_m + far_m * direction;
-            let (face, at_m) = self.visibility.first_front(receiver.position_m, to_m, receiver.plane)?;
+            let (face, at_m) = self.visibility.first_front_of(receiver, to_m)?;
             Some((self.mesh.leaf_at(face, at_m), self.mesh.frame(face).to_2d(at_m)))
         };
         let mut hits: Vec<(PatchId, DVec2)> = (0..count).filter_map(hit).collect();

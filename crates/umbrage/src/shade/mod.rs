@@ -7,6 +7,7 @@ mod bounced;
 mod corner_group;
 mod crowd;
 mod direct;
+mod disjoint_sets;
 mod element;
 mod errors;
 mod field;
@@ -15,6 +16,7 @@ mod gathering;
 mod hemisphere;
 mod interpolated;
 mod irradiance;
+mod joints;
 mod part;
 mod plain;
 mod refine;
@@ -22,7 +24,6 @@ mod reflected;
 mod rim;
 #[expect(clippy::module_inception, reason = "the module's main function is named like the module")]
 mod shade;
-mod smooth;
 
 pub use baked_mesh::{BakedMesh, BakedMeshError, BakedPart};
 pub use bounce::{Bouncing, Room, bounce};

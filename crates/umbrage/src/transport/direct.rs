@@ -73,9 +73,11 @@ impl<'a> DirectLight<'a> {
     }
 
     /// What may stand between a patch and each emitter; where those of a patch around it are given, it is found among them. Nothing is
-    /// looked for where emitters are too many, or what points see of them is known.
+    /// looked for where emitters are too many, or what points see of them is known, or on a smooth surface, which may see what is behind
+    /// the plane of the patch.
     pub fn obstacles(&self, mesh: &Mesh, patch: PatchId, around: Option<&Obstacles>) -> Obstacles {
-        if self.emitters.len() > MOST_EMITTERS || matches!(self.memory, SourceMemory::Known(_)) {
+        let is_smooth = self.prepared.is_smooth(mesh.patch(patch).face);
+        if is_smooth || self.emitters.len() > MOST_EMITTERS || matches!(self.memory, SourceMemory::Known(_)) {
             return Obstacles::default();
         }
         let receiver = SourcePolygon::on_face(self.prepared, mesh.patch(patch).face, mesh.polygon_m(patch));

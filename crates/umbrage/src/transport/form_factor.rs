@@ -80,7 +80,7 @@ pub fn factor_of_seen(
 ) -> f64 {
     let Some(view) = visibility.view(receiver, source) else { return 0.0 };
     let factor = |corners_m: &[DVec2]| factor_in_view(&view, corners_m);
-    if among.is_some_and(<[FaceId]>::is_empty) {
+    if receiver.near.is_none() && among.is_some_and(<[FaceId]>::is_empty) {
         let above = view.above_horizon(&source.corners_m);
         return factor(above.as_deref().unwrap_or(&source.corners_m)).max(0.0);
     }

@@ -30,32 +30,13 @@ use std::ops::ControlFlow;
 use glam::{DVec2, DVec3};
 use smallvec::SmallVec;
 
-use super::Visibility;
 use super::shadow::{self, Rounding, Shadows};
 use super::view::{PlaneView, Window};
+use super::{ReceiverPoint, Visibility};
 use crate::geometry::convex::{self, Convex};
 use crate::geometry::{Plane, PlaneFrame, polygon};
 use crate::id::{FaceId, PlaneId};
 use crate::prepare::Prepared;
-
-/// A point that receives light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ReceiverPoint {
-    /// Where it is, in its plane, in metres.
-    pub position_m: DVec3,
-    /// Unit normal of the side that is lit.
-    pub normal: DVec3,
-    /// The plane that it lies in: the plane's faces do not shade it.
-    pub plane: PlaneId,
-}
-
-impl ReceiverPoint {
-    /// The point of `face` at the foot of `near_m`.
-    pub fn on_face(prepared: &Prepared, face: FaceId, near_m: DVec3) -> Self {
-        let plane = prepared.oriented_plane(face);
-        Self { position_m: plane.project(near_m), normal: plane.normal, plane: prepared.faces[face].plane }
-    }
-}
 
 /// A convex polygon that sends light, a face or a part of one.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,7 +121,10 @@ impl Seen {
 /// The pyramid from a receiver point over the part of a source above its horizon.
 #[derive(Debug)]
 pub struct Beam<'a> {
+    receiver: &'a ReceiverPoint,
     window: Window<'a>,
+    /// What the faces around a point of a smooth surface are seen through.
+    near: Option<Window<'a>>,
     /// Whether that is all of the source.
     whole: bool,
     area_m2: f64,
@@ -171,7 +155,9 @@ impl Visibility {
     ) -> Seen {
         let Some(beam) = self.beam(receiver, view, source) else { return Seen::default() };
         let mut thrown = Thrown::default();
-        self.walk_beam(&beam, among, |face| self.throw(&beam, face, &mut thrown));
+        if self.throw_near(&beam, &mut thrown).is_continue() {
+            self.walk_beam(&beam, among, |face| self.throw(&beam, &beam.window, face, &mut thrown));
+        }
         beam.less(thrown)
     }
 
@@ -187,11 +173,18 @@ impl Visibility {
         if outline.is_empty() || area_m2 <= rounding.thin_m2 {
             return None;
         }
-        let window = Window::new(receiver, &source.frame, view, outline, self.tolerance(), rounding);
-        Some(Beam { window, whole, area_m2, passing: [receiver.plane, source.plane] })
+        let normal = receiver.normal;
+        let near = receiver.near.and_then(|near| {
+            let view = PlaneView::from(near.from_m, normal, &source.frame)?;
+            Some(Window::new([near.from_m, normal], &source.frame, view, outline.clone(), self.tolerance(), rounding))
+        });
+        let at = [receiver.position_m, normal];
+        let window = Window::new(at, &source.frame, view, outline, self.tolerance(), rounding);
+        Some(Beam { receiver, window, near, whole, area_m2, passing: [receiver.plane, source.plane] })
     }
 
-    /// The faces whose boxes meet a beam; `among` some, or all where none are given.
+    /// The faces whose boxes meet a beam; `among` some, or all where none are given. Those around a point of a smooth surface are not
+    /// told: they are looked at in any case.
     pub fn between(&self, beam: &Beam<'_>, among: Option<&[FaceId]>) -> Between {
         let mut between = Between::new();
         self.walk_beam(beam, among, |face| {
@@ -205,7 +198,8 @@ impl Visibility {
     pub fn seen_past(&self, beam: Beam<'_>, between: &[FaceId]) -> Seen {
         let mut thrown = Thrown::default();
         // Stops where nothing is left to be seen.
-        let _ = between.iter().try_for_each(|&face| self.throw(&beam, face, &mut thrown));
+        let _ = self.throw_near(&beam, &mut thrown).is_continue()
+            && between.iter().try_for_each(|&face| self.throw(&beam, &beam.window, face, &mut thrown)).is_continue();
         beam.less(thrown)
     }
 
@@ -216,14 +210,27 @@ impl Visibility {
             |aabb| beam.window.rounded_box_may_occlude(aabb.min, aabb.max),
             |min_m, max_m| beam.window.box_may_occlude(min_m, max_m),
             |face| {
-                if beam.passing.contains(&self.plane(face)) { ControlFlow::Continue(()) } else { visit(face) }
+                let passes = beam.passing.contains(&self.plane(face)) || self.is_near(beam.receiver, face);
+                if passes { ControlFlow::Continue(()) } else { visit(face) }
             },
         );
     }
 
-    /// Adds the shadow of a face; breaks where it takes the whole.
-    fn throw(&self, beam: &Beam<'_>, face: FaceId, thrown: &mut Thrown) -> ControlFlow<()> {
-        if let Some((shadow, shadow_m2)) = beam.window.shadow(self.boundary_m(face)) {
+    /// Adds the shadows of the faces around a point of a smooth surface; breaks where one takes the whole.
+    fn throw_near(&self, beam: &Beam<'_>, thrown: &mut Thrown) -> ControlFlow<()> {
+        let Some(window) = &beam.near else { return ControlFlow::Continue(()) };
+        let [_, source] = beam.passing;
+        let may_occlude = |face: FaceId| {
+            let [min_m, max_m] = self.bounds_m(face);
+            self.plane(face) != source && window.box_may_occlude(min_m, max_m)
+        };
+        let mut near = self.near(beam.receiver).iter().copied().filter(|&face| may_occlude(face));
+        near.try_for_each(|face| self.throw(beam, window, face, thrown))
+    }
+
+    /// Adds the shadow of a face as seen through a window; breaks where it takes the whole.
+    fn throw(&self, beam: &Beam<'_>, window: &Window<'_>, face: FaceId, thrown: &mut Thrown) -> ControlFlow<()> {
+        if let Some((shadow, shadow_m2)) = window.shadow(self.boundary_m(face)) {
             thrown.most_m2 = shadow_m2.max(thrown.most_m2);
             thrown.shadows.push(shadow);
         }

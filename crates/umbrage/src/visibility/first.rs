@@ -8,8 +8,8 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::Visibility;
 use super::ray::Slabs;
+use super::{ReceiverPoint, Visibility};
 use crate::id::{FaceId, PlaneId};
 
 /// What a ray meets first.
@@ -24,28 +24,47 @@ struct Met {
 }
 
 impl Visibility {
+    /// The face whose front a receiver point sees first in the direction of a point far away, and where; `None` where it sees none, or
+    /// a back before.
+    pub fn first_front_of(&self, receiver: &ReceiverPoint, to_m: DVec3) -> Option<(FaceId, DVec3)> {
+        let from_m = receiver.position_m;
+        let Some(near) = receiver.near else { return self.first_front(from_m, to_m, receiver.plane) };
+        let mut first = None;
+        let (near_m, near_to_m) = (near.from_m, to_m + (near.from_m - from_m));
+        self.near(receiver).iter().for_each(|&face| self.meet(face, near_m, near_to_m, &mut first));
+        let passes = |face: FaceId| self.plane(face) == receiver.plane || self.is_near(receiver, face);
+        let met = self.first_met(from_m, to_m, passes, first)?;
+        Some((met.front?, from_m.lerp(to_m, met.at)))
+    }
+
     /// The face whose front the open segment between two points meets first, and where; `None` where it meets none, or a back before.
     /// Faces in the plane `passing` are passed through.
     pub fn first_front(&self, from_m: DVec3, to_m: DVec3, passing: PlaneId) -> Option<(FaceId, DVec3)> {
-        let met = self.first_met(from_m, to_m, Some(passing))?;
+        let met = self.first_met(from_m, to_m, |face| self.plane(face) == passing, None)?;
         Some((met.front?, from_m.lerp(to_m, met.at)))
     }
 
     /// The face that the open segment between two points meets first, and whether it meets its front. Faces in the plane `passing` are
     /// passed through.
     pub fn first_side(&self, from_m: DVec3, to_m: DVec3, passing: Option<PlaneId>) -> Option<(FaceId, bool)> {
-        let met = self.first_met(from_m, to_m, passing)?;
+        let met = self.first_met(from_m, to_m, |face| Some(self.plane(face)) == passing, None)?;
         Some((met.front.unwrap_or(met.face), met.front.is_some()))
     }
 
-    fn first_met(&self, from_m: DVec3, to_m: DVec3, passing: Option<PlaneId>) -> Option<Met> {
+    /// What a segment meets first, if that is not `first` already.
+    fn first_met(
+        &self,
+        from_m: DVec3,
+        to_m: DVec3,
+        passes: impl Fn(FaceId) -> bool,
+        mut first: Option<Met>,
+    ) -> Option<Met> {
         let tree = self.tree();
         let slabs = Slabs::new(from_m, to_m);
         let enters = |node: u32| {
             let aabb = tree.nodes[node as usize].aabb();
             slabs.may_enter(aabb.min, aabb.max)
         };
-        let mut first: Option<Met> = None;
         let mut stack: SmallVec<[(u32, f32); 64]> = SmallVec::new();
         if !tree.nodes.is_empty() {
             stack.extend(enters(0).map(|near| (0, near)));
@@ -60,7 +79,7 @@ impl Visibility {
                 for &primitive in &tree.primitive_indices[range] {
                     let face = FaceId::from(primitive as usize);
                     let [min_m, max_m] = self.bounds_m(face);
-                    if Some(self.plane(face)) != passing && slabs.meet(min_m, max_m) {
+                    if !passes(face) && slabs.meet(min_m, max_m) {
                         self.meet(face, from_m, to_m, &mut first);
                     }
                 }

@@ -18,6 +18,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
+use super::around::Around;
 use crate::geometry::{Plane, Tolerance};
 use crate::id::{FaceId, PlaneId, Table};
 use crate::prepare::Prepared;
@@ -61,6 +62,8 @@ pub struct Visibility {
     /// Their boxes in `f32`, rounded outward: four of them lie where one of the others does.
     boxes: Table<FaceId, Aabb>,
     corners_m: Vec<DVec3>,
+    /// The faces around each facet of a smooth surface.
+    around: Around,
     tolerance: Tolerance,
 }
 
@@ -110,7 +113,12 @@ impl Visibility {
         }
         let tree = if faces.is_empty() { Bvh2::default() } else { build(faces.raw.as_slice()) };
         let boxes = faces.iter().map(Boundable::aabb).collect();
-        Self { tree, faces, boxes, corners_m, tolerance: prepared.tolerance }
+        Self { tree, faces, boxes, corners_m, around: Around::new(prepared), tolerance: prepared.tolerance }
+    }
+
+    /// The faces around the facets of smooth surfaces.
+    pub(super) fn around(&self) -> &Around {
+        &self.around
     }
 
     /// The tree of boxes.

@@ -165,7 +165,7 @@ mod tests {
     use rayon::prelude::*;
 
     fn point(x: f64, normal: DVec3) -> ReceiverPoint {
-        ReceiverPoint { position_m: DVec3::new(x, -x, 0.5), normal, plane: PlaneId::from(0) }
+        ReceiverPoint::on_plane(DVec3::new(x, -x, 0.5), normal, PlaneId::from(0))
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! themselves do, with no sampling, so that an event that was missed elsewhere costs convergence and never a wrong
 //! value.
 
+mod around;
 mod beam;
 mod cluster;
 mod first;
@@ -12,17 +13,20 @@ pub(crate) mod fixture;
 mod half_spaces;
 mod index;
 mod memory;
+mod near;
 mod ray;
+mod receiver;
 mod screen;
 mod shadow;
 mod shaft;
 mod view;
 mod wedge;
 
-pub use beam::{Beam, Between, FlatSource, ReceiverPoint, Seen, SourcePolygon};
+pub use beam::{Beam, Between, FlatSource, Seen, SourcePolygon};
 pub use cluster::Cluster;
 pub use index::Visibility;
 pub use memory::{AtPoints, Memory, Notes};
+pub use receiver::{NearView, ReceiverPoint};
 pub use screen::Screens;
 pub use shadow::Shadows;
 pub use view::PlaneView;

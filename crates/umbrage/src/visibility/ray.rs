@@ -27,6 +27,9 @@ impl Visibility {
     /// other, rounding does not decide point by point: a face that nowhere rises over the receiver's plane hides nothing, and
     /// one that does hides all the way to the line where they meet.
     pub fn hidden_from(&self, receiver: &ReceiverPoint, to_m: DVec3) -> bool {
+        if receiver.near.is_some() {
+            return self.stopper(receiver, to_m, None, None).is_some();
+        }
         let tolerance = self.tolerance();
         let from_m = receiver.position_m - ROUNDED_OF_EXTENT * tolerance.extent_m * receiver.normal;
         let over_m = |corner: &DVec3| receiver.normal.dot(*corner - receiver.position_m);
@@ -50,9 +53,21 @@ impl Visibility {
         to_m: DVec3,
         passing: [PlaneId; 2],
     ) -> Option<FaceId> {
+        self.blocker_but(among, from_m, to_m, passing, |_| false)
+    }
+
+    /// The same, but for faces that `passes` lets pass.
+    pub(super) fn blocker_but(
+        &self,
+        among: Option<&[FaceId]>,
+        from_m: DVec3,
+        to_m: DVec3,
+        passing: [PlaneId; 2],
+        passes: impl Fn(FaceId) -> bool,
+    ) -> Option<FaceId> {
         let mut hit = None;
         let visit = |face| {
-            if !self.is_blocked_by(face, from_m, to_m, passing) {
+            if passes(face) || !self.is_blocked_by(face, from_m, to_m, passing) {
                 return ControlFlow::Continue(());
             }
             hit = Some(face);
@@ -63,7 +78,7 @@ impl Visibility {
     }
 
     /// Whether a face crosses the open segment between two points and lies in none of the planes `passing`.
-    pub(crate) fn is_blocked_by(&self, face: FaceId, from_m: DVec3, to_m: DVec3, passing: [PlaneId; 2]) -> bool {
+    fn is_blocked_by(&self, face: FaceId, from_m: DVec3, to_m: DVec3, passing: [PlaneId; 2]) -> bool {
         !passing.contains(&self.plane(face)) && self.is_crossed(face, from_m, to_m)
     }
 
@@ -79,7 +94,7 @@ impl Visibility {
         crossed
     }
 
-    fn is_crossed(&self, face: FaceId, from_m: DVec3, to_m: DVec3) -> bool {
+    pub(super) fn is_crossed(&self, face: FaceId, from_m: DVec3, to_m: DVec3) -> bool {
         self.crossing(face, from_m, to_m).is_some()
     }
 

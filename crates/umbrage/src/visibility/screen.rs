@@ -87,7 +87,8 @@ impl<'a> Screens<'a> {
 
     /// Notes a face that stopped a ray.
     pub fn note(&mut self, face: FaceId) {
-        if self.screens.iter().any(|screen| screen.face == face) {
+        // What a point of a smooth surface sees from another place hides other things.
+        if self.screens.iter().any(|screen| screen.face == face) || self.visibility.is_near(self.receiver, face) {
             return;
         }
         let screen = Screen::new(self.visibility.boundary_m(face), face, self.receiver.position_m);

@@ -41,10 +41,14 @@ pub struct PlaneView {
 impl PlaneView {
     /// The view of a plane from a point; `None` where the point is not in front of the plane.
     pub fn new(receiver: &ReceiverPoint, frame: &PlaneFrame) -> Option<Self> {
-        let height_m = frame.plane.signed_distance_m(receiver.position_m);
-        let n = receiver.normal;
+        Self::from(receiver.position_m, receiver.normal, frame)
+    }
+
+    /// The view from a point with this unit normal.
+    pub(super) fn from(from_m: DVec3, n: DVec3, frame: &PlaneFrame) -> Option<Self> {
+        let height_m = frame.plane.signed_distance_m(from_m);
         (height_m > 0.0).then(|| Self {
-            foot_m: frame.to_2d(receiver.position_m),
+            foot_m: frame.to_2d(from_m),
             height_m,
             normal: DVec3::new(n.dot(frame.u), n.dot(frame.v), n.dot(frame.plane.normal)),
         })
@@ -70,7 +74,8 @@ impl PlaneView {
 /// What is asked about: a convex part of the source's plane, and what counts as nothing there.
 #[derive(Debug)]
 pub(super) struct Window<'a> {
-    receiver: &'a ReceiverPoint,
+    /// The receiver point, in metres.
+    from_m: DVec3,
     frame: &'a PlaneFrame,
     view: PlaneView,
     horizon: Plane,
@@ -89,8 +94,9 @@ pub(super) struct Window<'a> {
 type BeamSides = SmallVec<[(DVec3, f64); 8]>;
 
 impl<'a> Window<'a> {
+    /// As seen from a point with a unit normal.
     pub(super) fn new(
-        receiver: &'a ReceiverPoint,
+        [from_m, normal]: [DVec3; 2],
         frame: &'a PlaneFrame,
         view: PlaneView,
         outline: Convex,
@@ -99,7 +105,7 @@ impl<'a> Window<'a> {
     ) -> Self {
         let weld_m = tolerance.weld_m();
         let to_side = |(p, q): (DVec2, DVec2)| {
-            let [from, to] = [p, q].map(|corner| frame.to_3d(corner) - receiver.position_m);
+            let [from, to] = [p, q].map(|corner| frame.to_3d(corner) - from_m);
             let side = to.cross(from);
             (side, TOUCHING * side.length() * from.length().max(to.length()))
         };
@@ -107,20 +113,20 @@ impl<'a> Window<'a> {
         let beam_sides: BeamSides = convex::long_sides(&outline, rounding.slack_m).map(to_side).collect();
         let towards = frame.plane.normal;
         let ends = [
-            (receiver.normal, weld_m),
+            (normal, weld_m),
             (towards, on_source_m - view.height_m),
             // What is as high over the source as the point is behind it.
             (-towards, 0.0),
         ];
         let half_spaces = ends.into_iter().chain(beam_sides.iter().copied());
         Self {
-            receiver,
+            from_m,
             frame,
             view,
-            horizon: Plane::through(receiver.position_m, receiver.normal),
+            horizon: Plane::through(from_m, normal),
             on_receiver_m: weld_m,
             on_source_m,
-            rounded: HalfSpaces::around(receiver.position_m, half_spaces, tolerance.extent_m),
+            rounded: HalfSpaces::around(from_m, half_spaces, tolerance.extent_m),
             beam_sides,
             outline,
             rounding,
@@ -144,7 +150,7 @@ impl<'a> Window<'a> {
         if over_source + reach <= self.on_source_m || over_source - reach >= self.view.height_m {
             return false;
         }
-        let from_point = middle - self.receiver.position_m;
+        let from_point = middle - self.from_m;
         self.beam_sides.iter().all(|(side, least)| side.dot(from_point) + side.abs().dot(half) > *least)
     }
 

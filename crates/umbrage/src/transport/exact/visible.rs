@@ -213,7 +213,7 @@ impl Integration<'_> {
     fn factor(&self, near_m: DVec3) -> f64 {
         let plane = &self.receiver.oriented_plane;
         let position_m = plane.project(near_m);
-        let point = ReceiverPoint { position_m, normal: plane.normal, plane: self.receiver.plane };
+        let point = ReceiverPoint::on_plane(position_m, plane.normal, self.receiver.plane);
         factor_of_seen(self.visibility, &point, &self.flat_source, None)
     }
 
