@@ -166,6 +166,9 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     if let Some(guessed) = summary::guessed(&step.bake.report.prepare) {
         output::warning(&format!("{}: {guessed}", args.scene.display()));
     }
+    for defect in summary::lamp_defects(&step.bake.report) {
+        output::warning(&format!("{}: {defect}", args.scene.display()));
+    }
     let as_large = || {
         let is_coarser = asked.shade.tolerance > BakeSettings::default().shade.tolerance;
         (is_coarser && !args.method.has_tolerance())

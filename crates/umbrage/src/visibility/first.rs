@@ -22,10 +22,29 @@ struct Met {
     front: Option<FaceId>,
 }
 
+/// The side of a face that a ray meets first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FirstMet {
+    /// No face.
+    Nothing,
+    /// The back of a face.
+    Back,
+    /// The front of this face, at this point, in metres.
+    Front(FaceId, DVec3),
+}
+
 impl Visibility {
     /// The face whose front the open segment between two points meets first, and where; `None` where it meets none, or a back before.
     /// Faces in the plane `passing` are passed through.
     pub fn first_front(&self, from_m: DVec3, to_m: DVec3, passing: PlaneId) -> Option<(FaceId, DVec3)> {
+        match self.first_met(from_m, to_m, Some(passing)) {
+            FirstMet::Front(face, at_m) => Some((face, at_m)),
+            FirstMet::Nothing | FirstMet::Back => None,
+        }
+    }
+
+    /// Finds what the open segment between two points meets first. Faces in the plane `passing`, where one is given, are passed through.
+    pub fn first_met(&self, from_m: DVec3, to_m: DVec3, passing: Option<PlaneId>) -> FirstMet {
         let tree = self.tree();
         let slabs = Slabs::new(from_m, to_m);
         let enters = |node: u32| {
@@ -47,7 +66,7 @@ impl Visibility {
                 for &primitive in &tree.primitive_indices[range] {
                     let face = FaceId::from(primitive as usize);
                     let [min_m, max_m] = self.bounds_m(face);
-                    if self.plane(face) != passing && slabs.meet(min_m, max_m) {
+                    if Some(self.plane(face)) != passing && slabs.meet(min_m, max_m) {
                         self.meet(face, from_m, to_m, &mut first);
                     }
                 }
@@ -64,8 +83,11 @@ impl Visibility {
                 stack.push(near);
             }
         }
-        let met = first?;
-        Some((met.front?, from_m.lerp(to_m, met.at)))
+        match first {
+            None => FirstMet::Nothing,
+            Some(Met { front: None, .. }) => FirstMet::Back,
+            Some(Met { front: Some(face), at, .. }) => FirstMet::Front(face, from_m.lerp(to_m, at)),
+        }
     }
 
     /// Notes a face that a segment crosses, where it is the first so far.

@@ -11,6 +11,7 @@ mod first;
 pub(crate) mod fixture;
 mod half_spaces;
 mod index;
+mod lamps;
 mod memory;
 mod ray;
 mod screen;
@@ -21,7 +22,9 @@ mod wedge;
 
 pub use beam::{Beam, Between, FlatSource, ReceiverPoint, Seen, SourcePolygon};
 pub use cluster::Cluster;
+pub use first::FirstMet;
 pub use index::Visibility;
+pub use lamps::lamps;
 pub use memory::{AtPoints, Memory, Notes};
 pub use screen::Screens;
 pub use shadow::Shadows;
