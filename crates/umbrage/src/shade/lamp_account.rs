@@ -102,9 +102,8 @@ impl Shown<'_> {
             let (value, shift) = (self.values.as_slice()[number], self.shifts.get(number).copied().unwrap_or_default());
             if value.element_sum() > 0.0 { 1.0 + shift.element_sum() / value.element_sum() } else { 1.0 }
         };
-        let weighted = |(number, point): (usize, Option<ReceiverPoint>)| {
-            Some((point?, weights[number] * shown_of_true(number)))
-        };
+        let weighted =
+            |(number, point): (usize, Option<ReceiverPoint>)| Some((point?, weights[number] * shown_of_true(number)));
         points.into_iter().enumerate().filter_map(weighted).collect()
     }
 }

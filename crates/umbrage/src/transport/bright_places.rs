@@ -18,7 +18,8 @@ use rayon::prelude::*;
 
 use super::form_factor::factor_of_seen;
 use super::lamps::Lamps;
-use super::near_surface::unoccluded;
+use super::near_surface::{spread, unoccluded};
+use super::ray_lattice::{cosine_direction, point_of};
 use crate::id::{FaceId, LampId, Table};
 use crate::prepare::Prepared;
 use crate::scene::{Lamp, LampKind, Rgb};
@@ -108,13 +109,17 @@ pub(super) fn of_lamps(lamps: &Lamps, prepared: &Prepared, visibility: &Visibili
                 FirstMet::Front(face, point_m) => {
                     let normal = prepared.normal(face);
                     let irradiance = unoccluded(lamp, point_m, normal);
-                    let squared_m2 = if lamp.position_m().is_some() { point_m.distance_squared(ray.from_m) } else { 1.0 };
+                    let squared_m2 =
+                        if lamp.position_m().is_some() { point_m.distance_squared(ray.from_m) } else { 1.0 };
                     // Grazing rays cover no end of a plane, and bring it nothing.
                     let area_m2 = ray.share * squared_m2 / -normal.dot(ray.direction);
                     let arriving_w = if area_m2.is_finite() { (area_m2 * irradiance).min(ray_w) } else { Rgb::ZERO };
                     fate.on_fronts_w += arriving_w;
                     fate.fading_w += ray_w - arriving_w;
                     if arriving_w.max_element() > 0.0 {
+                        // What is shown there may be spread.
+                        let receiver = ReceiverPoint::on_face(prepared, face, point_m);
+                        let irradiance = spread(lamp, &receiver, lamps.spread_m()).unwrap_or(irradiance);
                         sent.places.push(BrightPlace { face, point_m, area_m2, irradiance, lamp: Some(id) });
                     }
                 }
@@ -140,7 +145,8 @@ fn rays(lamp: &Lamp, prepared: &Prepared, outside_m: f64, count: usize) -> Vec<R
     let even = |i: usize| (i as f64 + 0.5) / count as f64;
     let Some(from_m) = lamp.position_m() else {
         let corners = || prepared.vertices_m.iter().copied();
-        let (low_m, high_m) = (corners().fold(DVec3::INFINITY, DVec3::min), corners().fold(DVec3::NEG_INFINITY, DVec3::max));
+        let (low_m, high_m) =
+            (corners().fold(DVec3::INFINITY, DVec3::min), corners().fold(DVec3::NEG_INFINITY, DVec3::max));
         let radius_m = 0.5 * (high_m - low_m).length();
         let ray = |i: usize| Ray {
             from_m: low_m.midpoint(high_m) - outside_m * axis + radius_m * even(i).sqrt() * around(i),
@@ -183,7 +189,11 @@ pub(super) fn of_emitters(
             .filter_map(move |i| {
                 let [s, t] = PLASTIC.map(|step| (step * (i as f64 + 0.5)).fract());
                 let from_m = point_of(&outline.corners_m, s, t);
-                let direction = cosine_direction(outline.oriented_plane.normal, (i as f64 + 0.5) / count as f64, GOLDEN * i as f64);
+                let direction = cosine_direction(
+                    outline.oriented_plane.normal,
+                    (i as f64 + 0.5) / count as f64,
+                    (GOLDEN * i as f64).fract(),
+                );
                 let met = visibility.first_met(from_m, from_m + outside_m * direction, Some(outline.plane));
                 let FirstMet::Front(face, point_m) = met else { return None };
                 let receiver = ReceiverPoint::on_face(prepared, face, point_m);
@@ -196,23 +206,68 @@ pub(super) fn of_emitters(
     emitters.par_iter().map(of_one).collect::<Vec<_>>().concat()
 }
 
-/// A point of a convex polygon, evenly by area for `s` and `t` that are even.
-fn point_of(corners_m: &[DVec3], s: f64, t: f64) -> DVec3 {
-    let spokes: Vec<DVec3> = corners_m[1..].iter().map(|corner| corner - corners_m[0]).collect();
-    let areas: Vec<f64> = spokes.windows(2).map(|pair| pair[0].cross(pair[1]).length()).collect();
-    let mut left = s * areas.iter().sum::<f64>();
-    let mut triangle = 0;
-    while triangle + 1 < areas.len() && left > areas[triangle] {
-        left -= areas[triangle];
-        triangle += 1;
-    }
-    let share = if areas[triangle] > 0.0 { (left / areas[triangle]).min(1.0) } else { 0.5 };
-    corners_m[0] + share.sqrt() * spokes[triangle].lerp(spokes[triangle + 1], t)
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Material, Scene};
+    use crate::transport::DirectLight;
+    use crate::visibility::fixture::{self, square};
 
-/// A direction of the hemisphere over a plane, in proportion to its cosine; `turns` around the normal.
-fn cosine_direction(normal: DVec3, u: f64, turns: f64) -> DVec3 {
-    let (across, along) = normal.any_orthonormal_pair();
-    let (sine, cosine) = (TAU * turns).sin_cos();
-    (u.sqrt() * (cosine * across + sine * along) + (1.0 - u).sqrt() * normal).normalize()
+    /// What is sent over a floor of 4 x 4 m that looks up, with a plate of 1 x 1 m at 1 m over its middle that looks up.
+    fn sent(kinds: &[LampKind]) -> LightSent {
+        let prepared = fixture::prepared(&[square(DVec3::ZERO, 2.0, true), square(DVec3::Z, 0.5, true)]);
+        let visibility = Visibility::new(&prepared);
+        let mut scene = Scene::default();
+        for &kind in kinds {
+            scene.lamps.push(Lamp { name: String::new(), kind });
+        }
+        scene.materials.push(Material::diffuse("grey", Rgb::ONE));
+        DirectLight::new(&scene, &prepared, &visibility).light_sent()
+    }
+
+    #[test]
+    fn rays_carry_the_flux_of_a_lamp_to_where_it_falls() {
+        let intensity = Rgb::new(1.0, 2.0, 4.0);
+        let point = |z: f64| LampKind::Point { position_m: z * DVec3::Z, intensity, range_m: None };
+        let fates = sent(&[point(2.0), point(0.5)]).lamps;
+        // The floor is a side of a cube of 4 m; what the plate takes of it would fall there, too.
+        for (id, fate) in fates.iter_enumerated() {
+            assert!((fate.sent_w / (4.0 * PI * intensity) - 1.0).abs().max_element() < 1e-9);
+            let sum = fate.on_fronts_w + fate.on_backs_w + fate.leaving_w + fate.fading_w;
+            assert!((sum / fate.sent_w - 1.0).abs().max_element() < 1e-9, "{id:?} {fate:?}");
+        }
+        assert!((fates[LampId::from(0)].on_fronts_w.x / (4.0 * PI / 6.0) - 1.0).abs() < 0.01);
+        // From below, the back of the plate is seen as one side of a cube.
+        assert!((fates[LampId::from(1)].on_backs_w.x / (4.0 * PI / 6.0) - 1.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn places_stand_for_the_lit_area() {
+        let direction = DVec3::new(0.1, 0.0, -1.0).normalize();
+        let (position_m, intensity, range_m) = (DVec3::new(-1.0, 1.0, 2.0), Rgb::ONE, None);
+        let outer_rad = 0.1;
+        let kind = LampKind::Spot { position_m, direction, intensity, range_m, inner_rad: 0.0, outer_rad };
+        let sun = LampKind::Directional { direction, irradiance: Rgb::ONE };
+        let places = sent(&[kind, sun]).places;
+        let area_m2 = |lamp: usize| {
+            let of = places.iter().filter(|place| place.lamp == Some(LampId::from(lamp)) && place.irradiance.x > 0.0);
+            of.map(|place| place.area_m2).sum::<f64>()
+        };
+        // The section of a cone with a plane 2 m below its apex, to whose normal its axis is tilted.
+        let (sine, cosine) = (outer_rad.sin(), outer_rad.cos());
+        let ellipse = PI * 4.0 * sine * sine * cosine / (direction.z * direction.z - sine * sine).powf(1.5);
+        assert!((area_m2(0) / ellipse - 1.0).abs() < 0.02, "{} {ellipse}", area_m2(0));
+        // The sun lights floor and plate, less the shadow of the plate.
+        assert!((area_m2(1) / 16.0 - 1.0).abs() < 0.02, "{}", area_m2(1));
+    }
+
+    #[test]
+    fn a_range_takes_what_fades() {
+        let kind = LampKind::Point { position_m: 2.0 * DVec3::Z, intensity: Rgb::ONE, range_m: Some(1.0) };
+        let sent = sent(&[kind]);
+        let fate = sent.lamps[LampId::from(0)];
+        // The plate is at the end of the range, the floor beyond.
+        assert!(fate.on_fronts_w.x < 1e-9 && sent.places.iter().all(|place| place.irradiance.x < 1e-9));
+        assert!((fate.fading_w.x + fate.leaving_w.x) / fate.sent_w.x > 1.0 - 1e-9);
+    }
 }

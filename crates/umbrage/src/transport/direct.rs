@@ -138,7 +138,8 @@ impl<'a> DirectLight<'a> {
                 if share.is_finite() { slope * share } else { Rgb::ZERO }
             };
             let mut exact = Linear { mean, gradient: sampled.gradient.map(told) };
-            let lowest = polygon.corners_m.iter().map(|&p| exact.at(p - middle).element_sum()).fold(f64::INFINITY, f64::min);
+            let lowest =
+                polygon.corners_m.iter().map(|&p| exact.at(p - middle).element_sum()).fold(f64::INFINITY, f64::min);
             if lowest < 0.0 {
                 let kept = mean.element_sum() / (mean.element_sum() - lowest);
                 exact.gradient = exact.gradient.map(|slope| slope * kept);
@@ -184,7 +185,8 @@ impl<'a> DirectLight<'a> {
     /// Follows light from all sources to where it falls first.
     pub fn light_sent(&self) -> LightSent {
         let mut sent = bright_places::of_lamps(&self.lamps, self.prepared, self.visibility);
-        let emitters: Vec<_> = self.emitters.iter().map(|emitter| (&emitter.outline, &emitter.polygon, emitter.exitance)).collect();
+        let emitters: Vec<_> =
+            self.emitters.iter().map(|emitter| (&emitter.outline, &emitter.polygon, emitter.exitance)).collect();
         sent.places.extend(bright_places::of_emitters(&emitters, self.prepared, self.visibility));
         sent
     }

@@ -126,10 +126,8 @@ mod tests {
             let direction = DVec3::new(0.2, 0.1, -1.0).normalize();
             let (position_m, range_m, intensity) = (DVec3::new(0.1, 0.2, 1.0), None, Rgb::ONE);
             let kind = LampKind::Spot { position_m, direction, intensity, range_m, inner_rad, outer_rad };
-            let (found, sent) = (
-                flux(kind, &[square(DVec3::ZERO, 2.0, true)]),
-                Lamp { name: String::new(), kind }.flux_w().unwrap().x,
-            );
+            let (found, sent) =
+                (flux(kind, &[square(DVec3::ZERO, 2.0, true)]), Lamp { name: String::new(), kind }.flux_w().unwrap().x);
             assert!((found / sent - 1.0).abs() < 0.02, "{found} {sent} for {inner_rad} {outer_rad}");
         }
     }

@@ -45,6 +45,11 @@ impl Lamps {
         self.outside_m
     }
 
+    /// The light of a lamp that is nearer to a surface than this is spread so far, in metres.
+    pub(super) fn spread_m(&self) -> f64 {
+        self.spread_m
+    }
+
     /// Whether there are none.
     pub(super) fn is_empty(&self) -> bool {
         self.lamps.is_empty()
@@ -89,9 +94,7 @@ impl Lamps {
             LampKind::Point { position_m, .. } | LampKind::Spot { position_m, .. } => position_m,
             LampKind::Directional { direction, .. } => receiver.position_m - self.outside_m * direction,
         };
-        known
-            .unwrap_or_else(|| !visibility.occluded(receiver.position_m, to_m, [receiver.plane; 2]))
-            .then_some(light)
+        known.unwrap_or_else(|| !visibility.occluded(receiver.position_m, to_m, [receiver.plane; 2])).then_some(light)
     }
 
     /// The lamps whose light samples of a polygon do not tell: it is large as seen from them, or from where their cone or range ends.
@@ -129,7 +132,9 @@ const NEAR: f64 = 0.3;
 /// Whether a lamp may shine into a ball.
 fn may_light(lamp: &Lamp, middle_m: DVec3, radius_m: f64) -> bool {
     let (position_m, range_m) = match lamp.kind {
-        LampKind::Point { position_m, range_m, .. } | LampKind::Spot { position_m, range_m, .. } => (position_m, range_m),
+        LampKind::Point { position_m, range_m, .. } | LampKind::Spot { position_m, range_m, .. } => {
+            (position_m, range_m)
+        }
         LampKind::Directional { .. } => return true,
     };
     let to_middle_m = middle_m - position_m;

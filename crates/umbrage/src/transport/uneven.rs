@@ -79,7 +79,8 @@ pub fn split_where_uneven(
         Ok(Lit { leaf, whole_w, departing_w })
     };
     let leaves: Vec<PatchId> = mesh.leaves().collect();
-    let mut open = leaves.par_iter().map(|&leaf| reflected_w(mesh, &places, leaf)).collect::<Result<Vec<Lit>, Cancelled>>()?;
+    let mut open =
+        leaves.par_iter().map(|&leaf| reflected_w(mesh, &places, leaf)).collect::<Result<Vec<Lit>, Cancelled>>()?;
     let least_w = UNEVEN_OF_ALL * open.iter().map(|lit| lit.whole_w).sum::<f64>();
     for _ in 0..MOST_ROUNDS {
         open.retain(|lit| lit.departing_w > least_w);
@@ -88,7 +89,8 @@ pub fn split_where_uneven(
             around.remove(&lit.leaf);
         }
         let around: Vec<PatchId> = around.into_iter().collect();
-        let around = around.par_iter().map(|&leaf| reflected_w(mesh, &places, leaf)).collect::<Result<Vec<Lit>, Cancelled>>()?;
+        let around =
+            around.par_iter().map(|&leaf| reflected_w(mesh, &places, leaf)).collect::<Result<Vec<Lit>, Cancelled>>()?;
         open.extend(around);
         open.retain(|lit| mesh.split(lit.leaf));
         places.hand_down(mesh);

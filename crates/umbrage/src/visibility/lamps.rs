@@ -8,9 +8,9 @@
 
 use glam::DVec3;
 
-use crate::prepare::Prepared;
 use crate::geometry::polygon;
 use crate::id::{LampId, Table};
+use crate::prepare::Prepared;
 use crate::scene::{Lamp, LampKind, Scene};
 
 /// A lamp on a surface is moved so many times as far before it as a point that lies in its plane may be.
