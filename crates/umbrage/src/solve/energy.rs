@@ -154,8 +154,8 @@ mod tests {
     use crate::scene::{Lamp, LampKind, Material, Scene};
     use crate::solve::{SolveSettings, solve};
     use crate::transport::{FormFactorOracle, link_all};
-    use glam::DVec3;
     use crate::visibility::fixture::{self, square};
+    use glam::DVec3;
 
     fn account(polygons: &[(Vec<DVec3>, usize)], scene: &Scene) -> EnergyAccount {
         let prepared = fixture::prepared_of_materials(polygons);
