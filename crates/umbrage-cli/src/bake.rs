@@ -191,6 +191,9 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
         warnings.push(ReportedWarning::of_scene(&guessed).told(&args.scene));
     }
     warnings.extend(warn_of(&step.bake.report, &args.output));
+    for defect in summary::lamp_defects(&step.bake.report) {
+        warnings.push(ReportedWarning::of_lamp(&defect).told(&args.scene));
+    }
     let as_large = || {
         let is_coarser = asked.shade.tolerance > BakeSettings::default().shade.tolerance;
         (is_coarser && !args.method.has_tolerance())

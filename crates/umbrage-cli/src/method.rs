@@ -101,7 +101,11 @@ impl MethodArgs {
         Ok(BakeSettings {
             max_form_factor: self.max_form_factor,
             min_area_m2: self.min_area,
-            prepare: PrepareSettings { cut_contacts: !self.no_intersect, smooth: !self.flat_shading },
+            prepare: PrepareSettings {
+                cut_contacts: !self.no_intersect,
+                smooth: !self.flat_shading,
+                keep_hidden: self.keep_hidden,
+            },
             ..paper
         })
     }
@@ -295,9 +299,9 @@ mod tests {
         assert!(!settings.discontinuities && !settings.prepare.cut_contacts && !settings.mend_bad_shapes);
         let settings = Command::parse_from(["bake", "--no-intersect", "--flat-shading"]).method.settings(1).unwrap();
         assert_eq!(settings.oracle, OracleKind::default());
-        assert!(!settings.prepare.keep_hidden);
-        let settings = Command::parse_from(["bake", "--keep-hidden"]).method.settings(1);
-        assert!(settings.prepare.keep_hidden);
         assert!(settings.discontinuities && !settings.prepare.cut_contacts && !settings.prepare.smooth);
+        assert!(!settings.prepare.keep_hidden);
+        let settings = Command::parse_from(["bake", "--keep-hidden"]).method.settings(1).unwrap();
+        assert!(settings.prepare.keep_hidden);
     }
 }

@@ -71,6 +71,11 @@ impl ReportedWarning {
         Self { about: "limits", name: None, text }
     }
 
+    /// About a lamp whose light does not arrive.
+    pub(crate) fn of_lamp(text: &str) -> Self {
+        Self { about: "lamp", name: None, text: text.to_owned() }
+    }
+
     /// Prints it; `file` is the one that it is about.
     pub(crate) fn told(self, file: &Path) -> Self {
         output::warning(&format!("{}: {}", file.display(), self.text));

@@ -6,6 +6,7 @@ use std::time::Duration;
 use umbrage::bake::{MAX_ENERGY_ERROR, MAX_ERROR_ESTIMATE, Report};
 use umbrage::prepare::PrepareReport;
 use umbrage::scene::Rgb;
+use umbrage::shade::{LampAccount, LampDefect};
 use umbrage::solve::EnergyAccount;
 use umbrage_formats::Written;
 
@@ -64,6 +65,9 @@ pub(crate) fn summary(
     let iterations = count(report.iterations, "iteration");
     line("residual", format!("{:.1e} of the light still changes after {iterations}", report.residual));
     line("energy", energy(&report.energy));
+    if !report.lamps.is_empty() {
+        line("lamps", lamps(&report.lamps));
+    }
     let clipped = match written.clipped_vertices {
         0 => String::new(),
         n => format!(", which cuts off {} at white", count(n, "vertex|vertices")),
@@ -147,10 +151,45 @@ fn balance(error_percent: f64) -> String {
     }
 }
 
+/// How much of the light of all lamps falls where, in watts that are means of the three colours.
+fn lamps(accounts: &[LampAccount]) -> String {
+    let sum = |part: fn(&LampAccount) -> Rgb| rounded(accounts.iter().map(part).sum::<Rgb>().element_sum() / 3.0);
+    format!(
+        "{} W sent; {} W fall on surfaces, which show {} W; {} W on backs, {} W leave the scene, {} W fade",
+        sum(|lamp| lamp.sent_w),
+        sum(|lamp| lamp.expected_w),
+        sum(|lamp| lamp.received_w),
+        sum(|lamp| lamp.on_backs_w),
+        sum(|lamp| lamp.escaped_w),
+        sum(|lamp| lamp.faded_w)
+    )
+}
+
 /// What `prepare` had to guess.
 pub(crate) fn guessed(prepare: &PrepareReport) -> Option<String> {
     let n = prepare.turned_polygons;
     (n > 0).then(|| turned(n))
+}
+
+/// The lamps whose light is not shown as it falls.
+pub(crate) fn lamp_defects(report: &Report) -> Vec<String> {
+    let described = |lamp: &LampAccount| {
+        let watts = |flux_w: Rgb| rounded(flux_w.element_sum() / 3.0);
+        let (sent, expected, received) = (watts(lamp.sent_w), watts(lamp.expected_w), watts(lamp.received_w));
+        let text = match lamp.defect()? {
+            LampDefect::LightsNothing => format!(
+                "lamp {:?} lights nothing: of the {sent} W that it gives none falls on the front of a surface",
+                lamp.name
+            ),
+            LampDefect::OffBy(share) => format!(
+                "lamp {:?} is in error by {:+.0} %: {expected} W of its light fall on surfaces, which show {received} W",
+                lamp.name,
+                100.0 * share
+            ),
+        };
+        Some(text)
+    };
+    report.lamps.iter().filter_map(described).collect()
 }
 
 /// That polygons were turned over.

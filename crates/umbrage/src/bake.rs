@@ -28,7 +28,7 @@ use crate::mesh::Mesh;
 use crate::prepare::{PrepareError, PrepareReport, PrepareSettings, Prepared};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Rgb, Scene, SceneError};
-use crate::shade::{self, BakedMesh, Bouncing, IndirectLight, Irradiance, Room, ShadeMeshes, Terms};
+use crate::shade::{self, BakedMesh, Bouncing, IndirectLight, Irradiance, LampAccount, Room, ShadeMeshes, Terms};
 use crate::solve::{self, EnergyAccount, Solution, Surfaces};
 use crate::transport::{
     self, BrightnessOracle, DirectLight, KnownSources, Linear, Links, OracleKind, PaperOracle, SourceMemory,
@@ -82,6 +82,8 @@ pub struct Report {
     pub residual: f64,
     /// Where the light of the solution comes from and where it goes.
     pub energy: EnergyAccount,
+    /// What becomes of the light of each lamp that gives any, before it is reflected.
+    pub lamps: Vec<LampAccount>,
     /// Seconds of each stage, in order.
     pub seconds: Vec<(Stage, f64)>,
     /// Where the result is not as good as it should be.
@@ -373,6 +375,7 @@ pub(crate) fn show(
         iterations: solution.iterations,
         residual: solution.residual,
         energy,
+        lamps: shaded.lamps,
         seconds: clock.seconds,
     };
     Ok(Lit {

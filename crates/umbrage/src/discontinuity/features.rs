@@ -14,7 +14,7 @@ use crate::geometry::Plane;
 use crate::id::{EdgeId, EmitterId, FaceId, LampId, PlaneId, Table, VertexId};
 use crate::prepare::Prepared;
 use crate::scene::{Lamp, Rgb, Scene};
-use crate::visibility::Visibility;
+use crate::visibility::{self, Visibility};
 
 /// Emitters, edges and corners of a scene: what its events are made of.
 #[derive(Clone, Debug)]
@@ -35,8 +35,8 @@ impl Features {
     /// The features of a scene.
     pub fn new(scene: &Scene, prepared: &Prepared) -> Self {
         let radiance = prepared.faces.iter().map(|face| scene.materials[face.material].radiance).collect();
-        let lamps = scene.lamps.iter().map(|lamp| lamp.clone().moved(|p| p - prepared.origin_m, |d| d, 1.0));
-        Self { lamps: lamps.collect(), ..Self::shining(scene, prepared, &radiance, Vec::new()) }
+        let lamps = visibility::lamps(scene, prepared);
+        Self { lamps, ..Self::shining(scene, prepared, &radiance, Vec::new()) }
     }
 
     /// The features of a scene where nothing gives light but faces, which have these radiances, and parts of faces.

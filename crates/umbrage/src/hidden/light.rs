@@ -7,7 +7,7 @@ use super::sides::{Region, Sides, back, front};
 use super::sight::{LEAVES_EXTENTS, over_sphere};
 use crate::prepare::Prepared;
 use crate::scene::Scene;
-use crate::visibility::Visibility;
+use crate::visibility::{FirstMet, Visibility};
 
 /// Rays from each lamp.
 const RAYS_OF_LAMP: usize = 32;
@@ -30,10 +30,10 @@ pub(super) fn lit_regions(scene: &Scene, prepared: &Prepared, visibility: &Visib
         // A lamp far outside sees the scene from there.
         let length_m = length_m + at_m.length();
         for direction in over_sphere(RAYS_OF_LAMP) {
-            let region = match visibility.first_side(at_m, at_m + length_m * direction, None) {
-                Some((face, true)) => sides.region(front(face)),
-                Some((face, false)) => sides.region(back(face)),
-                None => sides.outside(),
+            let region = match visibility.first_met(at_m, at_m + length_m * direction, None) {
+                FirstMet::Front(face, _) => sides.region(front(face)),
+                FirstMet::Back(face) => sides.region(back(face)),
+                FirstMet::Nothing => sides.outside(),
             };
             light(region);
         }

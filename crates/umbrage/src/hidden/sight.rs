@@ -11,7 +11,7 @@ use super::sides::{Sides, back, front};
 use crate::geometry::polygon;
 use crate::id::FaceId;
 use crate::prepare::Prepared;
-use crate::visibility::Visibility;
+use crate::visibility::{FirstMet, Visibility};
 
 /// Rays from each side. A piece of a surface that reaches into another region is in it with its middle, or has a part of its own
 /// there since contacts cut it.
@@ -50,8 +50,11 @@ fn seen_from(prepared: &Prepared, visibility: &Visibility, face: FaceId, is_fron
     std::array::from_fn(|number| {
         let [x, y] = in_disc(number, face);
         let direction = x * u + y * v + (1.0 - x * x - y * y).max(0.0).sqrt() * normal;
-        let met = visibility.first_side(middle_m, middle_m + length_m * direction, Some(plane));
-        met.map(|(face, is_front)| if is_front { front(face) } else { back(face) })
+        match visibility.first_met(middle_m, middle_m + length_m * direction, Some(plane)) {
+            FirstMet::Front(face, _) => Some(front(face)),
+            FirstMet::Back(face) => Some(back(face)),
+            FirstMet::Nothing => None,
+        }
     })
 }
 

@@ -240,8 +240,12 @@ impl Mesh {
 
     /// The unsplit patch of a face that a point of it lies in; where it lies on a cut, one beside it.
     pub fn leaf_at(&self, face: FaceId, point_m: DVec3) -> PatchId {
-        let normal = self.frames[face].plane.normal;
-        let mut patch = self.root(face);
+        self.leaf_below(self.root(face), point_m)
+    }
+
+    /// The unsplit part of a patch that a point of it lies in; where it lies on a cut, one beside it.
+    pub fn leaf_below(&self, mut patch: PatchId, point_m: DVec3) -> PatchId {
+        let normal = self.frames[self.patches[patch].face].plane.normal;
         while let Some([first, second]) = self.patches[patch].subpatches {
             let left = self.cut_m(patch).is_none_or(|[p, q]| normal.cross(q - p).dot(point_m - p) >= 0.0);
             patch = if left { first } else { second };

@@ -95,6 +95,18 @@ impl Lamp {
         (arriving.irradiance.is_finite() && arriving.irradiance.max_element() > 0.0).then_some(arriving)
     }
 
+    /// Radiant intensity that it sends in a direction before a range takes any, in W/sr; irradiance of a surface that faces it, in
+    /// W/m2, for a distant one.
+    pub fn intensity_towards(&self, direction: DVec3) -> Rgb {
+        match self.kind {
+            LampKind::Point { intensity, .. } => intensity,
+            LampKind::Spot { direction: axis, intensity, inner_rad, outer_rad, .. } => {
+                cone_share(axis.dot(direction), inner_rad, outer_rad) * intensity
+            }
+            LampKind::Directional { irradiance, .. } => irradiance,
+        }
+    }
+
     /// Where it is, in metres; `None` for a distant one.
     pub fn position_m(&self) -> Option<DVec3> {
         match self.kind {

@@ -7,10 +7,13 @@
 //! values all run below it. A vertex that is shifted by the mean bulge of the triangles around it leaves less than half of
 //! the error, and no bias; true darkness stays dark.
 
+use glam::DVec3;
+
 use super::field::{Field, Places, Request, Values};
 use crate::id::{PatchId, VertexId};
 use crate::mesh::{BoundaryPoint, Mesh};
 use crate::scene::Rgb;
+use crate::transport::BrightPlace;
 
 /// The triangles of a leaf.
 pub(super) struct Outlined {
@@ -31,7 +34,7 @@ pub(super) struct Element {
     /// How far the field at [`PROBE`] departs from a plane through its corners.
     inside: Rgb,
     /// Mean square of how far the field departs from the parabola through corners and middles at [`MORE_PROBES`], where it was
-    /// looked at there.
+    /// looked at there; or of how much more light than that falls on its bright places.
     between: Rgb,
     /// Mean variance of what the values at its corners err by chance.
     variance: f32,
@@ -74,15 +77,14 @@ impl Outlined {
         places.middle(mesh, self.patch, [triangle[i], triangle[(i + 1) % 3]].map(|k| &self.boundary[k]))
     }
 
-    /// The elements, once the values that they need are known: those that were there `before`, and others. Of these, the ones larger
-    /// than `large_m2` are looked at in more points.
+    /// The elements, once the values that they need are known: those that were there `before`, and others.
     pub(super) fn elements(
         &self,
         mesh: &Mesh,
         places: &Places<'_>,
         values: &Values,
         field: &impl Field,
-        large_m2: f64,
+        closer: &Closer<'_>,
         before: &[Element],
     ) -> Vec<Element> {
         let element = |&triangle: &[usize; 3]| {
@@ -109,13 +111,45 @@ impl Outlined {
             };
             let at_contact_corner = triangle.iter().any(|&k| places.is_contact_corner(mesh, self.boundary[k].vertex));
             let area_m2 = 0.5 * (b - a).cross(c - a).length();
-            let between =
-                if area_m2 > large_m2 { MORE_PROBES.map(beyond).into_iter().sum::<Rgb>() / 2.0 } else { Rgb::ZERO };
+            let between = match area_m2 > closer.large_m2 {
+                true => MORE_PROBES.map(beyond).into_iter().sum::<Rgb>() / 2.0,
+                false => Rgb::ZERO,
+            };
+            let shown = |[p, q, r]: [f64; 3]| p * at[0] + q * at[1] + r * at[2] + parabola([p, q, r], &bulges);
+            let between = between.max(closer.missed_squared([a, b, c], shown));
             let variance = (corners.iter().map(|&corner| values.variance(corner)).sum::<f64>() / 3.0) as f32;
             let inside = departure(PROBE);
             Some(Element { area_m2, vertices, corners, bulges, inside, between, variance, at_contact_corner })
         };
         self.triangles.iter().filter_map(element).collect()
+    }
+}
+
+/// Where elements are looked at more closely.
+pub(super) struct Closer<'a> {
+    /// Those larger than this are looked at in more points, in square metres.
+    pub(super) large_m2: f64,
+    /// Places that sources are known to light.
+    pub(super) bright: Vec<&'a BrightPlace>,
+}
+
+impl Closer<'_> {
+    /// Mean square over a triangle of how much less light is shown on bright places than sources bring there.
+    fn missed_squared(&self, corners_m: [DVec3; 3], shown: impl Fn([f64; 3]) -> Rgb) -> Rgb {
+        let [a, b, c] = corners_m;
+        let doubled = (b - a).cross(c - a);
+        let (mut sum, mut covered_m2) = (Rgb::ZERO, 0.0);
+        for place in &self.bright {
+            let share = |p: DVec3, q: DVec3| (p - place.point_m).cross(q - place.point_m).dot(doubled);
+            let at = [share(b, c), share(c, a), share(a, b)].map(|share| share / doubled.length_squared());
+            if at.iter().all(|&share| share >= 0.0) {
+                let missed = (place.irradiance - shown(at)).max(Rgb::ZERO);
+                sum += place.area_m2 * missed * missed;
+                covered_m2 += place.area_m2;
+            }
+        }
+        // What stands for more than the triangle reaches beyond it.
+        if covered_m2 > 0.0 { sum / covered_m2.max(0.5 * doubled.length()) } else { Rgb::ZERO }
     }
 }
 

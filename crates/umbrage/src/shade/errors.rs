@@ -11,10 +11,15 @@ use super::refine::Interpolation;
 use crate::id::PatchId;
 use crate::scene::Rgb;
 
+/// Light brighter than so many times the mean errs relative to itself: where it is so bright, it is white in any picture.
+const GLARING_OF_MEAN: f64 = 100.0;
+
 /// What leaves err.
 #[derive(Debug)]
 pub(super) struct Errors {
     interpolation: Interpolation,
+    /// Light brighter than this errs relative to itself, in W/m2.
+    glaring: f64,
     /// Integral of the squared error over each patch that was looked at, by its number, in W2/m2.
     squared: Vec<f64>,
     /// Around each value, the bulges of elements times their area, and their area.
@@ -27,9 +32,10 @@ pub(super) struct Errors {
 
 impl Errors {
     /// Of nothing yet.
-    pub(super) fn new(interpolation: Interpolation) -> Self {
+    pub(super) fn new(interpolation: Interpolation, mean: f64) -> Self {
+        let glaring = GLARING_OF_MEAN * mean;
         let (squared, bulges, shifts, changed) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { interpolation, squared, bulges, shifts, changed, triangles: 0 }
+        Self { interpolation, glaring, squared, bulges, shifts, changed, triangles: 0 }
     }
 
     /// Takes elements in the place of others.
@@ -80,7 +86,12 @@ impl Errors {
             self.changed.clear();
         }
         let integral = |leaf: &PatchId| {
-            let of = |element: &Element| element.area_m2 * self.of(element).element_sum() / 3.0;
+            let of = |element: &Element| {
+                // Next to a lamp light grows without bound: what it errs there in W/m2 would be all that counts.
+                let own = element.corners().iter().map(|&corner| values.as_slice()[corner as usize]).sum::<Rgb>();
+                let counts = (self.glaring / (own.element_sum() / 9.0)).min(1.0);
+                counts * counts * element.area_m2 * self.of(element).element_sum() / 3.0
+            };
             elements[leaf.index()].iter().map(of).sum::<f64>()
         };
         let told: Vec<f64> = leaves.par_iter().map(integral).collect();

@@ -19,6 +19,7 @@ use crate::mesh::{BoundaryPoint, Mesh};
 use crate::prepare::{Facing, Prepared};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::Rgb;
+use crate::transport::BrightPlace;
 use crate::visibility::ReceiverPoint;
 
 /// How far inside a patch its limit at a vertex is taken, as a share of the distance to its centroid.
@@ -41,6 +42,11 @@ pub(super) trait Field: Sync {
         _report: &(impl Fn() -> Result<(), Cancelled> + Sync),
     ) -> Result<(), Cancelled> {
         Ok(())
+    }
+
+    /// Places that sources are known to light: the field must be looked at there.
+    fn bright_places(&self) -> &[BrightPlace] {
+        &[]
     }
 
     /// Irradiance at a point of `patch`, in W/m2.
@@ -113,6 +119,11 @@ impl<'a> Places<'a> {
             prepared.edges[rim.edge].ends.iter().for_each(|&end| contact_vertices[end] = true);
         }
         Self { prepared, contact_vertices, contact_edges, joints: Joints::new(prepared) }
+    }
+
+    /// The scene's extent, in metres.
+    pub(super) fn extent_m(&self) -> f64 {
+        self.prepared.tolerance.extent_m
     }
 
     /// Whether a vertex is where contacts end or turn: there irradiance depends on the direction from which one comes.

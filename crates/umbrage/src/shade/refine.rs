@@ -11,13 +11,14 @@
 
 use rayon::prelude::*;
 
-use super::element::{Element, Outlined};
+use super::element::{Closer, Element, Outlined};
 use super::errors::Errors;
 use super::field::{Field, Places, Values};
 use crate::id::PatchId;
 use crate::mesh::{Attempt, Mesh};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::Rgb;
+use crate::transport::PlacesOfLeaves;
 
 /// The leaves that make up this share of the squared error are split in a round.
 const SHARE_A_ROUND: f64 = 0.6;
@@ -33,6 +34,9 @@ const LARGE_OF_ALL: f64 = 2e-3;
 pub(super) const OWN_TOLERANCES: f64 = 10.0;
 /// Leaves smaller than this share of all area may.
 pub(super) const LEAST_OF_ALL: f64 = 1e-7;
+/// No leaf is split that has no more area than a square with sides of this share of the scene's extent: an eighth of the radius over
+/// which light is spread where a lamp touches a surface, and 30 times the size of what input and output round.
+const MIN_EDGE_OF_SCENE: f64 = 2.5e-5;
 /// No refinement needs more rounds: each halves the greatest errors at least, and those at its end look at few leaves.
 const MOST_ROUNDS: usize = 100;
 
@@ -86,7 +90,10 @@ pub(super) fn refine(
     progress: Progress<'_>,
 ) -> Result<Refined, Cancelled> {
     let mut refined = Refined { values: known, elements: Vec::new(), shifts: Vec::new(), error: 0.0 };
-    let mut errors = Errors::new(settings.interpolation);
+    let mut errors = Errors::new(settings.interpolation, settings.mean);
+    let bright = field.bright_places().to_vec();
+    let mut bright = PlacesOfLeaves::new(mesh, &bright);
+    let least_m2 = (MIN_EDGE_OF_SCENE * places.extent_m()).powi(2);
     // Boundary points that each patch had when it was looked at.
     let mut points_of: Vec<Option<usize>> = Vec::new();
     // Whether they are too narrow to be split further.
@@ -113,7 +120,8 @@ pub(super) fn refine(
         let looked_at = refined.values.as_slice().len();
         let fresh = stale.par_iter().map(|leaf| {
             progress.report(Stage::Shade, looked_at, 0)?;
-            Ok(leaf.elements(mesh, places, &refined.values, field, large_m2, &refined.elements[leaf.patch.index()]))
+            let closer = Closer { large_m2, bright: bright.of(leaf.patch) };
+            Ok(leaf.elements(mesh, places, &refined.values, field, &closer, &refined.elements[leaf.patch.index()]))
         });
         let fresh: Vec<Vec<Element>> = fresh.collect::<Result<_, Cancelled>>()?;
         for (leaf, elements) in stale.iter().zip(fresh) {
@@ -141,7 +149,7 @@ pub(super) fn refine(
         let target = (settings.tolerance * settings.mean).powi(2) * area_m2;
         let errs_locally = |leaf: PatchId| {
             !is_finest[leaf.index()]
-                && mesh.patch(leaf).area_m2 > LEAST_OF_ALL * area_m2
+                && mesh.patch(leaf).area_m2 > least_m2.max(LEAST_OF_ALL * area_m2)
                 && refined.elements[leaf.index()].iter().any(|element| {
                     let (of_own, least) = (OWN_TOLERANCES * settings.tolerance, settings.tolerance * settings.mean);
                     element.errs_locally(errors.of(element), &refined.values, of_own, least)
@@ -150,7 +158,8 @@ pub(super) fn refine(
         // Where triangles are few, the mean error comes first.
         let room = settings.max_triangles.saturating_sub(mesh.triangle_count());
         // What cannot be split does not drive the others.
-        let divisible: Vec<PatchId> = leaves.iter().copied().filter(|leaf| !is_finest[leaf.index()]).collect();
+        let is_divisible = |leaf: &PatchId| !is_finest[leaf.index()] && mesh.patch(*leaf).area_m2 > least_m2;
+        let divisible: Vec<PatchId> = leaves.iter().copied().filter(is_divisible).collect();
         let total = errors.total(&divisible);
         is_coarse = total > target;
         let mut marked: Vec<PatchId> = if is_coarse {
@@ -170,6 +179,7 @@ pub(super) fn refine(
         }
         let most = settings.max_triangles;
         marked.retain(|&leaf| mesh.split_within(leaf, most.saturating_sub(mesh.triangle_count())) == Attempt::Split);
+        bright.hand_down(mesh);
         for &leaf in &marked {
             errors.replace(&std::mem::take(&mut refined.elements[leaf.index()]), &[]);
         }

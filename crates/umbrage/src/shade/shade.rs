@@ -14,6 +14,7 @@ use super::direct::Direct;
 use super::field::{Field, Places, Values};
 use super::interpolated::Interpolated;
 use super::irradiance::{Indirect, Irradiance, Terms};
+use super::lamp_account::{LampAccount, Shown, lamp_accounts};
 use super::plain::plain_faces;
 use super::refine::{Interpolation, RefineSettings, Refined, refine};
 use crate::id::{FaceId, PatchId};
@@ -21,7 +22,7 @@ use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress};
 use crate::scene::{Rgb, Scene};
-use crate::transport::DirectLight;
+use crate::transport::{BrightPlace, DirectLight};
 use crate::visibility::{AtPoints, ReceiverPoint};
 
 /// The share of the tolerance that interpolation of indirect light may take.
@@ -77,12 +78,15 @@ pub struct Shaded {
     pub flat_triangles: usize,
     /// d-segments of degree 0 that were not cut, or in part, since there may be no more triangles.
     pub uncut: usize,
+    /// What becomes of the light of each lamp that gives any.
+    pub lamps: Vec<LampAccount>,
 }
 
 /// Direct light exactly, plus indirect light from few points.
 struct Total<'a> {
     direct: Direct<'a>,
     indirect: Interpolated<'a>,
+    bright: &'a [BrightPlace],
 }
 
 impl Field for Total<'_> {
@@ -93,6 +97,10 @@ impl Field for Total<'_> {
         report: &(impl Fn() -> Result<(), Cancelled> + Sync),
     ) -> Result<(), Cancelled> {
         self.direct.look_around(mesh, leaves, report)
+    }
+
+    fn bright_places(&self) -> &[BrightPlace] {
+        self.bright
     }
 
     fn at(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> Rgb {
@@ -131,10 +139,11 @@ pub fn shade(
     settings: ShadeSettings,
     progress: Progress<'_>,
 ) -> Result<Shaded, Cancelled> {
-    let receives = |mesh: &Mesh, patch: PatchId| {
-        let face = &prepared.faces[mesh.patch(patch).face];
+    let is_shown = |face: FaceId| {
+        let face = &prepared.faces[face];
         scene.surfaces[face.surface].baked && !scene.materials[face.material].emits()
     };
+    let receives = |mesh: &Mesh, patch: PatchId| is_shown(mesh.patch(patch).face);
     let places = Places::new(prepared);
     mesh.count_triangles_of(|face| scene.surfaces[prepared.faces[face].surface].baked);
     let most = settings.max_triangles;
@@ -151,23 +160,26 @@ pub fn shade(
     let is_not_plain = |mesh: &Mesh, patch: PatchId| plain[mesh.patch(patch).face].is_none();
     let gathered = refine(gathering, &places, &mut Indirect(irradiance), known, is_not_plain, smooth, progress)?;
     let indirect = Interpolated::new(gathering, &gathered, &plain);
-    let mut total = Total { direct: Direct::new(direct), indirect };
+    let sent = direct.light_sent();
+    let mut total = Total { direct: Direct::new(direct), indirect, bright: &sent.places };
     let whole = RefineSettings {
         interpolation: Interpolation::Linear,
         tolerance: LINEAR_SHARE * settings.tolerance,
         mean,
         max_triangles: most,
     };
-    let Refined { mut values, shifts, error, .. } =
+    let Refined { mut values, shifts, error, elements } =
         refine(mesh, &places, &mut total, Values::default(), receives, whole, progress)?;
     // At borders points may lie in a patch beside the one that they are of: for these all is looked at.
     total.direct = Direct::new(direct);
+    let shown = Shown { mesh, places: &places, elements: &elements, values: &values, shifts: &shifts };
+    let lamps = lamp_accounts(scene, direct, &sent, &shown, is_shown);
     values.shift(&shifts);
     let uncut = mesh.remove_d0_hints_within(most);
     mesh.triangulate();
     let lighting = Lighting { known: &values, irradiance: &total };
     let (mesh, flat_triangles) = assemble(scene, prepared, mesh, &places, lighting, most, progress)?;
-    Ok(Shaded { mesh, error, flat_triangles, uncut })
+    Ok(Shaded { mesh, error, flat_triangles, uncut, lamps })
 }
 
 /// The mesh that carried transport, if it is no more than `most` triangles with its hard shadows cut: as the paper shows it. Else

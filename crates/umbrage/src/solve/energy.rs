@@ -11,9 +11,6 @@
 //! ratio (Roberts, *The unreasonable effectiveness of quasirandom sequences*, 2018): spread more evenly than chance does, and
 //! the same every time.
 
-use std::f64::consts::TAU;
-
-use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Solution, Surfaces};
@@ -21,7 +18,7 @@ use crate::id::{FaceId, PatchId};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::scene::Rgb;
-use crate::transport::DirectLight;
+use crate::transport::{DirectLight, cosine_direction, point_of};
 use crate::visibility::Visibility;
 
 /// Rays that are followed in all: what leaves is then known to about a thousandth of itself.
@@ -148,29 +145,6 @@ fn lattice(number: usize) -> [f64; 4] {
     [1, 2, 3, 4].map(|power| (0.5 + number as f64 / GOLDEN.powi(power)).fract())
 }
 
-/// A point of a convex polygon, evenly by area for `s` and `t` that are even.
-fn point_of(corners_m: &[DVec3], s: f64, t: f64) -> DVec3 {
-    let spokes: Vec<DVec3> = corners_m[1..].iter().map(|corner| corner - corners_m[0]).collect();
-    let areas: Vec<f64> = spokes.windows(2).map(|pair| pair[0].cross(pair[1]).length()).collect();
-    let mut left = s * areas.iter().sum::<f64>();
-    let mut triangle = 0;
-    while triangle + 1 < areas.len() && left > areas[triangle] {
-        left -= areas[triangle];
-        triangle += 1;
-    }
-    let share = if areas[triangle] > 0.0 { (left / areas[triangle]).min(1.0) } else { 0.5 };
-    // Of a triangle, by the distance from its first corner and the way across there.
-    let away = share.sqrt();
-    corners_m[0] + away * spokes[triangle].lerp(spokes[triangle + 1], t)
-}
-
-/// A direction of the hemisphere over a plane, in proportion to its cosine.
-fn cosine_direction(normal: DVec3, u: f64, v: f64) -> DVec3 {
-    let (across, along) = normal.any_orthonormal_pair();
-    let (sine, cosine) = (TAU * v).sin_cos();
-    (u.sqrt() * (cosine * across + sine * along) + (1.0 - u).sqrt() * normal).normalize()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -181,6 +155,7 @@ mod tests {
     use crate::solve::{SolveSettings, solve};
     use crate::transport::{FormFactorOracle, link_all};
     use crate::visibility::fixture::{self, square};
+    use glam::DVec3;
 
     fn account(polygons: &[(Vec<DVec3>, usize)], scene: &Scene) -> EnergyAccount {
         let prepared = fixture::prepared_of_materials(polygons);
@@ -262,13 +237,5 @@ mod tests {
             assert!((found / expected - 1.0).abs() < 2e-3, "{account:?}");
         }
         assert!(account.error().abs() < 1e-9, "{}", account.error());
-    }
-
-    #[test]
-    fn points_of_a_polygon_are_even() {
-        let corners = [DVec3::ZERO, 2.0 * DVec3::X, 2.0 * DVec3::X + DVec3::Y, DVec3::Y];
-        let points = (0..4096).map(lattice).map(|[s, t, ..]| point_of(&corners, s, t));
-        let mean: DVec3 = points.sum::<DVec3>() / 4096.0;
-        assert!((mean - DVec3::new(1.0, 0.5, 0.0)).length() < 2e-3, "{mean}");
     }
 }

@@ -14,6 +14,7 @@ use crate::prepare::Prepared;
 use crate::scene::{Rgb, Scene};
 use crate::visibility::{FlatSource, ReceiverPoint, SourcePolygon, Visibility};
 
+use super::bright_places::{self, BrightPlace, LightSent};
 use super::fit::Linear;
 use super::form_factor::factor_of_seen;
 use super::lamps::Lamps;
@@ -116,7 +117,10 @@ impl<'a> DirectLight<'a> {
 
     /// Irradiance of a patch, in W/m2.
     pub fn over(&self, mesh: &Mesh, patch: PatchId) -> Linear<Rgb> {
-        self.fit(mesh, patch, |receiver| self.at(receiver)) + self.missed_of_near_emitters(mesh, patch)
+        let samples = self.samples(mesh, patch, |receiver| self.at(receiver));
+        Linear::fit(samples.iter().copied())
+            + self.missed_by_samples(mesh, patch)
+            + self.missed_of_near_emitters(mesh, patch)
     }
 
     /// The light of emitters that are small and near, less what the sample points of a patch tell of it, in W/m2.
@@ -137,12 +141,54 @@ impl<'a> DirectLight<'a> {
         missed
     }
 
-    /// Mean irradiance of a patch, and the mean of how far that of its sample points departs from the best linear fit, in W/m2.
-    pub(super) fn mean_and_departure(&self, mesh: &Mesh, patch: PatchId) -> [Rgb; 2] {
+    /// The light of lamps near a patch, whose flux into it is known, less what sample points tell of it.
+    fn missed_by_samples(&self, mesh: &Mesh, patch: PatchId) -> Linear<Rgb> {
+        let mut missed = Linear::default();
+        if self.lamps.is_empty() {
+            return missed;
+        }
+        let face = mesh.patch(patch).face;
+        let polygon = SourcePolygon::on_face(self.prepared, face, mesh.polygon_m(patch));
+        let polygon = FlatSource::new(&polygon, *mesh.frame(face));
+        let middle = mesh.frame(face).to_2d(mesh.patch(patch).centroid_m);
+        for lamp in self.lamps.uneven_over(&polygon, mesh.patch(patch).centroid_m) {
+            let of_lamp = |receiver: &ReceiverPoint| {
+                let known = self.memory.at(receiver).and_then(|known| known.sees(lamp));
+                self.lamps.of_one(lamp, self.visibility, receiver, known).unwrap_or_default()
+            };
+            let sampled = self.fit(mesh, patch, of_lamp);
+            let mean = self.lamps.flux_w(lamp, self.visibility, &polygon) / mesh.patch(patch).area_m2;
+            // The slope that samples tell, as far as nothing gets below zero.
+            let told = |slope: Rgb| {
+                let share = mean.element_sum() / sampled.mean.element_sum();
+                if share.is_finite() { slope * share } else { Rgb::ZERO }
+            };
+            let mut exact = Linear { mean, gradient: sampled.gradient.map(told) };
+            let lowest =
+                polygon.corners_m.iter().map(|&p| exact.at(p - middle).element_sum()).fold(f64::INFINITY, f64::min);
+            if lowest < 0.0 {
+                let kept = mean.element_sum() / (mean.element_sum() - lowest);
+                exact.gradient = exact.gradient.map(|slope| slope * kept);
+            }
+            missed = missed + exact - sampled;
+        }
+        missed
+    }
+
+    /// Mean irradiance of a patch, and the mean of how far that of its sample points, or of the bright places in it, departs from the
+    /// best linear fit, in W/m2.
+    pub(super) fn mean_and_departure(&self, mesh: &Mesh, patch: PatchId, places: &[&BrightPlace]) -> [Rgb; 2] {
         let samples = self.samples(mesh, patch, |receiver| self.at(receiver));
-        let fit = Linear::fit(samples.iter().copied());
+        let fit = Linear::fit(samples.iter().copied()) + self.missed_by_samples(mesh, patch);
+        let frame = mesh.frame(mesh.patch(patch).face);
+        let centre = frame.to_2d(mesh.patch(patch).centroid_m);
+        let at_place = |place: &&BrightPlace| {
+            let shown = fit.at(frame.to_2d(place.point_m) - centre);
+            place.area_m2 * (place.irradiance - shown).max(Rgb::ZERO)
+        };
+        let at_places = places.iter().map(at_place).sum::<Rgb>() / mesh.patch(patch).area_m2;
         let departure = |&(offset_m, weight, value): &(DVec2, f64, Rgb)| weight * (value - fit.at(offset_m)).abs();
-        [fit.mean, samples.iter().map(departure).sum()]
+        [fit.mean, samples.iter().map(departure).sum::<Rgb>().max(at_places)]
     }
 
     /// The best linear fit to a function of the points of a patch.
@@ -162,6 +208,21 @@ impl<'a> DirectLight<'a> {
         sample::points(&mesh.polygon_m(patch)).into_iter().map(sample).collect()
     }
 
+    /// Follows light from all sources to where it falls first.
+    pub fn light_sent(&self) -> LightSent {
+        let mut sent = bright_places::of_lamps(&self.lamps, self.prepared, self.visibility);
+        let emitters: Vec<_> =
+            self.emitters.iter().map(|emitter| (&emitter.outline, &emitter.polygon, emitter.exitance)).collect();
+        sent.places.extend(bright_places::of_emitters(&emitters, self.prepared, self.visibility));
+        sent
+    }
+
+    /// Irradiance that one lamp brings to a point, in W/m2.
+    pub fn of_lamp(&self, lamp: LampId, receiver: &ReceiverPoint) -> Rgb {
+        let known = self.memory.at(receiver).and_then(|known| known.sees(lamp));
+        self.lamps.of_one(lamp, self.visibility, receiver, known).unwrap_or_default()
+    }
+
     /// Irradiance of those patches that are leaves, in W/m2; zero for those that are split.
     pub fn over_leaves_of(&self, mesh: &Mesh, patches: &[PatchId]) -> Vec<Linear<Rgb>> {
         fit_leaves(mesh, patches, |leaf| self.over(mesh, leaf))
@@ -171,7 +232,10 @@ impl<'a> DirectLight<'a> {
     pub fn of_lamps_over_leaves(&self, mesh: &Mesh) -> Table<PatchId, Linear<Rgb>> {
         let at = |receiver: &ReceiverPoint| self.of_lamps(receiver, self.memory.at(receiver), &mut Vec::new());
         let patches: Vec<PatchId> = mesh.patches().map(|(patch, _)| patch).collect();
-        let over = |leaf| if self.lamps.is_empty() { Linear::default() } else { self.fit(mesh, leaf, at) };
+        let over = |leaf| match self.lamps.is_empty() {
+            true => Linear::default(),
+            false => self.fit(mesh, leaf, at) + self.missed_by_samples(mesh, leaf),
+        };
         fit_leaves(mesh, &patches, over).into()
     }
 }

@@ -1,9 +1,14 @@
-//! Direct light of lamps: what arrives at a point, where an exact ray sees the lamp.
+//! Direct light of lamps: what arrives at a point, where an exact ray sees the lamp. Where a lamp nearly touches the surface, its
+//! light is spread a little ([`super::near_surface`]).
 
-use crate::id::{LampId, Table};
+use glam::DVec3;
+
+use super::lamp_flux;
+use super::near_surface::{self, SPREAD_OF_EXTENT};
+use crate::id::{LampId, PlaneId, Table};
 use crate::prepare::Prepared;
-use crate::scene::{Lamp, Rgb, Scene};
-use crate::visibility::{ReceiverPoint, Visibility};
+use crate::scene::{Lamp, LampKind, Rgb, Scene};
+use crate::visibility::{self, FlatSource, ReceiverPoint, Visibility};
 
 /// The lamps of a scene, in the frame of its prepared faces.
 #[derive(Debug)]
@@ -11,6 +16,10 @@ pub(super) struct Lamps {
     lamps: Table<LampId, Lamp>,
     /// A ray of this length from anywhere inside the scene leaves it, in metres.
     outside_m: f64,
+    /// The light of a lamp that is nearer to a surface than this is spread so far, in metres.
+    spread_m: f64,
+    /// A plane that no face lies in.
+    no_plane: PlaneId,
 }
 
 /// The diagonal of a box is at most this many times its longest side, and a little for rounding.
@@ -18,11 +27,27 @@ const DIAGONAL_OF_EXTENT: f64 = 1.75;
 
 impl Lamps {
     pub(super) fn new(scene: &Scene, prepared: &Prepared) -> Self {
-        let lamps = scene.lamps.iter().cloned();
         Self {
-            lamps: lamps.map(|lamp| lamp.moved(|p| p - prepared.origin_m, |d| d, 1.0)).collect(),
+            lamps: visibility::lamps(scene, prepared),
             outside_m: DIAGONAL_OF_EXTENT * prepared.tolerance.extent_m,
+            spread_m: SPREAD_OF_EXTENT * prepared.tolerance.extent_m,
+            no_plane: PlaneId::from(prepared.planes.len()),
         }
+    }
+
+    /// The lamps.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (LampId, &Lamp)> {
+        self.lamps.iter_enumerated()
+    }
+
+    /// A ray of this length from anywhere inside the scene leaves it, in metres.
+    pub(super) fn outside_m(&self) -> f64 {
+        self.outside_m
+    }
+
+    /// The light of a lamp that is nearer to a surface than this is spread so far, in metres.
+    pub(super) fn spread_m(&self) -> f64 {
+        self.spread_m
     }
 
     /// Whether there are none.
@@ -39,19 +64,89 @@ impl Lamps {
         known: impl Fn(LampId) -> Option<bool>,
         seen: &mut Vec<LampId>,
     ) -> Rgb {
-        let from = |(id, lamp): (LampId, &Lamp)| {
-            let Some(arriving) = lamp.arriving(receiver.position_m) else { return Rgb::ZERO };
-            let cosine = receiver.normal.dot(arriving.towards);
-            let to_m = lamp.position_m().unwrap_or(receiver.position_m + self.outside_m * arriving.towards);
-            // Grazing light brings nothing, and whether it is seen is rounding.
-            let sees = || !visibility.hidden_from(receiver, to_m);
-            if cosine <= 0.0 || !known(id).unwrap_or_else(sees) {
-                return Rgb::ZERO;
+        let from = |id: LampId| {
+            let light = self.of_one(id, visibility, receiver, known(id));
+            if light.is_some() {
+                seen.push(id);
             }
-            seen.push(id);
-            cosine * arriving.irradiance
+            light.unwrap_or_default()
         };
-        self.lamps.iter_enumerated().map(from).sum()
+        self.lamps.keys().map(from).sum()
+    }
+
+    /// Irradiance that one lamp brings to a point, in W/m2; `None` where the point does not see it. `known` tells whether it does, where
+    /// that is known.
+    pub(super) fn of_one(
+        &self,
+        id: LampId,
+        visibility: &Visibility,
+        receiver: &ReceiverPoint,
+        known: Option<bool>,
+    ) -> Option<Rgb> {
+        let lamp = &self.lamps[id];
+        let spread = near_surface::spread(lamp, receiver, self.spread_m);
+        let light = spread.unwrap_or_else(|| near_surface::unoccluded(lamp, receiver.position_m, receiver.normal));
+        // Grazing light brings nothing, and whether it is seen is rounding.
+        if light.max_element() <= 0.0 {
+            return None;
+        }
+        let to_m = match lamp.kind {
+            LampKind::Point { position_m, .. } | LampKind::Spot { position_m, .. } => position_m,
+            LampKind::Directional { direction, .. } => receiver.position_m - self.outside_m * direction,
+        };
+        known.unwrap_or_else(|| !visibility.hidden_from(receiver, to_m)).then_some(light)
+    }
+
+    /// The lamps whose light samples of a polygon do not tell: it is large as seen from them, or from where their cone or range ends.
+    pub(super) fn uneven_over(&self, polygon: &FlatSource, middle_m: DVec3) -> impl Iterator<Item = LampId> {
+        let radius_m = polygon.corners_m.iter().map(|&p| polygon.frame.to_3d(p).distance(middle_m)).fold(0.0, f64::max);
+        let is_uneven = move |lamp: &Lamp| {
+            let Some(position_m) = lamp.position_m() else { return false };
+            let distance_m = position_m.distance(middle_m);
+            if polygon.frame.plane.signed_distance_m(position_m) <= 0.0 {
+                return false;
+            }
+            let across_m = match lamp.kind {
+                LampKind::Spot { outer_rad, .. } => distance_m * outer_rad.min(1.0),
+                LampKind::Point { .. } | LampKind::Directional { .. } => distance_m,
+            };
+            // Beyond its cone and its range it does not shine at all.
+            radius_m > NEAR * across_m && may_light(lamp, middle_m, radius_m)
+        };
+        let uneven: Vec<LampId> =
+            self.lamps.iter_enumerated().filter(|(_, lamp)| is_uneven(lamp)).map(|(id, _)| id).collect();
+        uneven.into_iter()
+    }
+
+    /// Flux that a lamp sends into the part of a polygon that it sees, in W.
+    pub(super) fn flux_w(&self, id: LampId, visibility: &Visibility, polygon: &FlatSource) -> Rgb {
+        let lamp = &self.lamps[id];
+        let Some(receiver) = lamp_flux::looking_at(self.no_plane, lamp, &polygon.frame.plane) else { return Rgb::ZERO };
+        lamp_flux::flux_w(visibility, lamp, &receiver, polygon)
+    }
+}
+
+/// A polygon with a radius of more than this share of its distance from a lamp is lit unevenly.
+const NEAR: f64 = 0.3;
+
+/// Whether a lamp may shine into a ball.
+fn may_light(lamp: &Lamp, middle_m: DVec3, radius_m: f64) -> bool {
+    let (position_m, range_m) = match lamp.kind {
+        LampKind::Point { position_m, range_m, .. } | LampKind::Spot { position_m, range_m, .. } => {
+            (position_m, range_m)
+        }
+        LampKind::Directional { .. } => return true,
+    };
+    let to_middle_m = middle_m - position_m;
+    let distance_m = to_middle_m.length();
+    if range_m.is_some_and(|range_m| distance_m - radius_m > range_m) {
+        return false;
+    }
+    match lamp.kind {
+        LampKind::Spot { direction, outer_rad, .. } if distance_m > radius_m => {
+            direction.angle_between(to_middle_m) - (radius_m / distance_m).asin() < outer_rad
+        }
+        _ => true,
     }
 }
 

@@ -6,8 +6,11 @@
 //! gathered from as all others are. Leaves around uneven ones are split until they are about as small: what few sample points miss
 //! lies across a border.
 //!
+//! A small bright place falls between sample points. So light is followed from its sources, too ([`super::bright_places`]): a leaf
+//! whose fit is darker than light that falls there is uneven.
+//!
 //! After: on no leaf but the smallest does direct light depart from a linear function by more than a share of all that is reflected,
-//! as far as its sample points tell.
+//! as far as its sample points tell, and its bright places.
 
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
@@ -16,6 +19,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::direct::DirectLight;
+use super::places_of_leaves::PlacesOfLeaves;
 use crate::id::PatchId;
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
@@ -64,16 +68,19 @@ pub fn split_where_uneven(
     mesh: &mut Mesh,
     progress: Progress<'_>,
 ) -> Result<(), Cancelled> {
-    let reflected_w = |mesh: &Mesh, leaf: PatchId| {
+    let sent = direct.light_sent();
+    let mut places = PlacesOfLeaves::new(mesh, &sent.places);
+    let reflected_w = |mesh: &Mesh, places: &PlacesOfLeaves<'_>, leaf: PatchId| {
         progress.report(Stage::Transport, 0, 0)?;
         let patch = mesh.patch(leaf);
         let reflectance = scene.materials[prepared.faces[patch.face].material].reflectance;
         let in_watts = |irradiance: Rgb| patch.area_m2 * (reflectance * irradiance).element_sum();
-        let [whole_w, departing_w] = direct.mean_and_departure(mesh, leaf).map(in_watts);
+        let [whole_w, departing_w] = direct.mean_and_departure(mesh, leaf, &places.of(leaf)).map(in_watts);
         Ok(Lit { leaf, whole_w, departing_w })
     };
     let leaves: Vec<PatchId> = mesh.leaves().collect();
-    let mut open = leaves.par_iter().map(|&leaf| reflected_w(mesh, leaf)).collect::<Result<Vec<Lit>, Cancelled>>()?;
+    let mut open =
+        leaves.par_iter().map(|&leaf| reflected_w(mesh, &places, leaf)).collect::<Result<Vec<Lit>, Cancelled>>()?;
     let least_w = UNEVEN_OF_ALL * open.iter().map(|lit| lit.whole_w).sum::<f64>();
     for _ in 0..MOST_ROUNDS {
         open.retain(|lit| lit.departing_w > least_w);
@@ -82,12 +89,14 @@ pub fn split_where_uneven(
             around.remove(&lit.leaf);
         }
         let around: Vec<PatchId> = around.into_iter().collect();
-        let around = around.par_iter().map(|&leaf| reflected_w(mesh, leaf)).collect::<Result<Vec<Lit>, Cancelled>>()?;
+        let around =
+            around.par_iter().map(|&leaf| reflected_w(mesh, &places, leaf)).collect::<Result<Vec<Lit>, Cancelled>>()?;
         open.extend(around);
         open.retain(|lit| mesh.split(lit.leaf));
+        places.hand_down(mesh);
         let halves = |lit: &Lit| {
             let Some([first, second]) = mesh.patch(lit.leaf).subpatches else { return Ok(None) };
-            let mut halves = [reflected_w(mesh, first)?, reflected_w(mesh, second)?];
+            let mut halves = [reflected_w(mesh, &places, first)?, reflected_w(mesh, &places, second)?];
             // What the halves tell otherwise than the whole lies between their sample points, too.
             let missed_w = (lit.whole_w - halves[0].whole_w - halves[1].whole_w).abs();
             halves.iter_mut().for_each(|half| half.departing_w = half.departing_w.max(missed_w));

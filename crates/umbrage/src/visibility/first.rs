@@ -23,6 +23,17 @@ struct Met {
     front: Option<FaceId>,
 }
 
+/// The side of a face that a ray meets first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FirstMet {
+    /// No face.
+    Nothing,
+    /// The back of this face.
+    Back(FaceId),
+    /// The front of this face, at this point, in metres.
+    Front(FaceId, DVec3),
+}
+
 impl Visibility {
     /// The face whose front a receiver point sees first in the direction of a point far away, and where; `None` where it sees none, or
     /// a back before.
@@ -33,26 +44,28 @@ impl Visibility {
         let (near_m, near_to_m) = (near.from_m, to_m + (near.from_m - from_m));
         self.near(receiver).iter().for_each(|&face| self.meet(face, near_m, near_to_m, &mut first));
         let passes = |face: FaceId| self.plane(face) == receiver.plane || self.is_near(receiver, face);
-        let met = self.first_met(from_m, to_m, passes, first)?;
+        let met = self.nearest(from_m, to_m, passes, first)?;
         Some((met.front?, from_m.lerp(to_m, met.at)))
     }
 
     /// The face whose front the open segment between two points meets first, and where; `None` where it meets none, or a back before.
     /// Faces in the plane `passing` are passed through.
     pub fn first_front(&self, from_m: DVec3, to_m: DVec3, passing: PlaneId) -> Option<(FaceId, DVec3)> {
-        let met = self.first_met(from_m, to_m, |face| self.plane(face) == passing, None)?;
+        let met = self.nearest(from_m, to_m, |face| self.plane(face) == passing, None)?;
         Some((met.front?, from_m.lerp(to_m, met.at)))
     }
 
-    /// The face that the open segment between two points meets first, and whether it meets its front. Faces in the plane `passing` are
-    /// passed through.
-    pub fn first_side(&self, from_m: DVec3, to_m: DVec3, passing: Option<PlaneId>) -> Option<(FaceId, bool)> {
-        let met = self.first_met(from_m, to_m, |face| Some(self.plane(face)) == passing, None)?;
-        Some((met.front.unwrap_or(met.face), met.front.is_some()))
+    /// Finds what the open segment between two points meets first. Faces in the plane `passing`, where one is given, are passed through.
+    pub fn first_met(&self, from_m: DVec3, to_m: DVec3, passing: Option<PlaneId>) -> FirstMet {
+        match self.nearest(from_m, to_m, |face| Some(self.plane(face)) == passing, None) {
+            None => FirstMet::Nothing,
+            Some(Met { front: None, face, .. }) => FirstMet::Back(face),
+            Some(Met { front: Some(face), at, .. }) => FirstMet::Front(face, from_m.lerp(to_m, at)),
+        }
     }
 
     /// What a segment meets first, if that is not `first` already.
-    fn first_met(
+    fn nearest(
         &self,
         from_m: DVec3,
         to_m: DVec3,

@@ -12,6 +12,7 @@ mod first;
 pub(crate) mod fixture;
 mod half_spaces;
 mod index;
+mod lamps;
 mod memory;
 mod near;
 mod ray;
@@ -24,7 +25,9 @@ mod wedge;
 
 pub use beam::{Beam, Between, FlatSource, Seen, SourcePolygon};
 pub use cluster::Cluster;
+pub use first::FirstMet;
 pub use index::Visibility;
+pub use lamps::lamps;
 pub use memory::{AtPoints, Memory, Notes};
 pub use receiver::{NearView, ReceiverPoint};
 pub use screen::Screens;

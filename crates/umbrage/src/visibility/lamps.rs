@@ -1,0 +1,90 @@
+//! Lamps in the frame of the prepared faces, off the surfaces that they are mounted on.
+//!
+//! A lamp that lies in a surface within rounding would be before it or behind it by chance: on the edge of a box, in the corner of a
+//! room. It is taken to be in front, since there its maker put it: each face that it lies on pushes it forward, to twice the
+//! distance below which a point lies in a plane. Of a sheet with two sides, the side of the first face counts.
+//!
+//! Holds after: no lamp lies in a face within rounding, unless faces that look at each other are nearer than that.
+
+use glam::DVec3;
+
+use crate::geometry::polygon;
+use crate::id::{LampId, Table};
+use crate::prepare::Prepared;
+use crate::scene::{Lamp, LampKind, Scene};
+
+/// A lamp on a surface is moved so many times as far before it as a point that lies in its plane may be.
+const BEFORE_OF_COPLANAR: f64 = 2.0;
+/// Normals with a cosine below this look opposite ways: the two sides of a sheet.
+const OPPOSITE: f64 = -0.999;
+
+/// Moves the lamps of a scene into the frame of its prepared faces, and those that lie on surfaces before them.
+pub fn lamps(scene: &Scene, prepared: &Prepared) -> Table<LampId, Lamp> {
+    let in_frame = |lamp: &Lamp| {
+        let mut lamp = lamp.clone().moved(|p| p - prepared.origin_m, |d| d, 1.0);
+        if let LampKind::Point { position_m, .. } | LampKind::Spot { position_m, .. } = &mut lamp.kind {
+            *position_m = before_surfaces(prepared, *position_m);
+        }
+        lamp
+    };
+    scene.lamps.iter().map(in_frame).collect()
+}
+
+/// A point before all faces that it lies on.
+fn before_surfaces(prepared: &Prepared, point_m: DVec3) -> DVec3 {
+    let near_m = prepared.tolerance.coplanar_m();
+    let least_m = BEFORE_OF_COPLANAR * near_m;
+    let lies_on = prepared.faces.keys().filter(|&face| {
+        let plane = prepared.oriented_plane(face);
+        plane.signed_distance_m(point_m).abs() < near_m
+            && polygon::distance_m(point_m, &prepared.polygon_m(face), &plane) < near_m
+    });
+    let (mut moved_m, mut pushed): (DVec3, Vec<DVec3>) = (point_m, Vec::new());
+    for face in lies_on {
+        let plane = prepared.oriented_plane(face);
+        if pushed.iter().all(|normal| normal.dot(plane.normal) > OPPOSITE) {
+            moved_m += (least_m - plane.signed_distance_m(moved_m)).max(0.0) * plane.normal;
+            pushed.push(plane.normal);
+        }
+    }
+    moved_m
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Rgb;
+    use crate::visibility::fixture;
+
+    fn moved_m(polygons: &[Vec<DVec3>], position_m: DVec3) -> DVec3 {
+        let mut scene = Scene::default();
+        let kind = LampKind::Point { position_m, intensity: Rgb::ONE, range_m: None };
+        scene.lamps.push(Lamp { name: String::new(), kind });
+        let prepared = fixture::prepared(polygons);
+        lamps(&scene, &prepared)[LampId::from(0)].position_m().unwrap()
+    }
+
+    #[test]
+    fn a_lamp_in_the_corner_of_a_room_is_in_the_room() {
+        let room = fixture::inward_box(DVec3::ZERO, DVec3::ONE);
+        for slip in [-5e-7, 0.0, 5e-7] {
+            let at_m = moved_m(&room, DVec3::splat(slip));
+            assert!((at_m - DVec3::splat(2e-6)).abs().max_element() < 1e-12, "{at_m}");
+        }
+        assert_eq!(moved_m(&room, DVec3::new(0.0, 0.5, 2e-6)).x, 2e-6);
+        assert_eq!(moved_m(&room, DVec3::splat(0.5)), DVec3::splat(0.5));
+    }
+
+    #[test]
+    fn a_lamp_on_the_edge_of_a_box_is_outside_of_it() {
+        let at_m = moved_m(&fixture::outward_box(DVec3::ZERO, DVec3::ONE), DVec3::new(0.5, 1.0, 1.0));
+        assert!(at_m.y > 1.0 && at_m.z > 1.0 && at_m.x == 0.5, "{at_m}");
+    }
+
+    #[test]
+    fn a_lamp_in_a_sheet_is_before_one_side_of_it() {
+        let sheet = [fixture::square(DVec3::ZERO, 1.0, true), fixture::square(DVec3::ZERO, 1.0, false)];
+        let at_m = moved_m(&sheet, DVec3::new(0.1, 0.2, 0.0));
+        assert!(at_m.z.abs() > 1e-6, "{at_m}");
+    }
+}
