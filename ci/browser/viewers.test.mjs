@@ -5,13 +5,9 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { start, tab } from "./browser.mjs";
-import { compare, decoded, keep, read } from "./pictures.mjs";
+import { compare, decoded, differs, keep, read } from "./pictures.mjs";
 import { SIZE, bakeDim, folder, reference } from "./scenes.mjs";
 import { BACKGROUND, ORIGIN, PAGES, site } from "./viewers.mjs";
-
-/** Share of the pixels that may differ by more than the tolerance: these viewers let the black of covered contacts through
- *  here and there, and have depths of their own for it. */
-const SHARE = 1e-3;
 
 const scenes = bakeDim();
 let browser;
@@ -34,7 +30,7 @@ for (const [viewer, script] of Object.entries(PAGES)) {
       await keep(folder, `${name}-${viewer}.png`, shot);
       await close();
       const result = compare(expected, decoded(shot));
-      assert.ok(result.different <= SHARE * result.compared, JSON.stringify(result));
+      assert.ok(!differs(result), JSON.stringify(result));
       assert.ok(result.compared > 4 * result.edges, JSON.stringify(result));
       assert.deepEqual(wrong, []);
     });
