@@ -9,9 +9,8 @@ export const TOLERANCE = 2;
 /** A pixel is on an edge if, in either picture, the codes of it and its neighbours spread further than this: there,
  *  renderers average samples in their own ways, and a sample more or less is a quarter of the spread. */
 const EDGE = 6;
-/** Share of the pixels that may differ all the same. Where a thing stands on another, the two meet in a line that each
- *  cuts at points of its own; rounded to a sixteenth of a pixel, as this browser's renderer does, they leave hairlines
- *  through which a sample of a pixel meets the black that is covered, too little to show as an edge. */
+/** Share of the pixels that may differ all the same: on edges between colours that are nearly the same, which a sample
+ *  more or less changes by more than the tolerance and which do not show as edges. */
 const SHARE = 1e-4;
 
 /** Whether so many pixels differ that the pictures are not the same. */

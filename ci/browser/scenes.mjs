@@ -9,6 +9,7 @@ import { PNG } from "pngjs";
 const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
 export const folder = path.join(root, "target/browser");
 mkdirSync(folder, { recursive: true });
+export const testdata = path.join(root, "testdata");
 
 const binary = process.env.UMBRAGE || path.join(root, "target/release/umbrage");
 export const umbrage = (...words) => execFileSync(binary, [...words, "--quiet"], { stdio: ["ignore", "inherit", "inherit"] });
@@ -35,8 +36,8 @@ export const LOOKS = [
 /** Bakes all scenes. */
 export function bake() {
   umbrage("demo", "--out-dir", folder);
-  umbrage("bake", path.join(root, "testdata/scenes/touching.glb"), "-o", file("touching.glb"));
-  writeFileSync(file("textured-scene.glb"), withTexture(readFileSync(path.join(root, "testdata/scenes/cornell.glb"))));
+  umbrage("bake", path.join(testdata, "scenes/touching.glb"), "-o", file("touching.glb"));
+  writeFileSync(file("textured-scene.glb"), withTexture(readFileSync(path.join(testdata, "scenes/cornell.glb"))));
   umbrage("bake", file("textured-scene.glb"), "-o", file("textured.glb"));
 }
 
@@ -44,8 +45,8 @@ export function bake() {
 export function bakeDim() {
   bake();
   const scenes = {
-    cornell: path.join(root, "testdata/scenes/cornell.glb"),
-    touching: path.join(root, "testdata/scenes/touching.glb"),
+    cornell: path.join(testdata, "scenes/cornell.glb"),
+    touching: path.join(testdata, "scenes/touching.glb"),
     textured: file("textured-scene.glb"),
   };
   for (const [name, scene] of Object.entries(scenes)) {
@@ -61,8 +62,11 @@ const json = (bytes) => JSON.parse(bytes.subarray(20, 20 + bytes.readUInt32LE(12
 export const cameraOf = ({ eye, target, fov }) => ["--eye", eye.join(), "--target", target.join(), "--fov", String(fov)];
 
 /** The reference picture of a scene. */
-export function reference(scene, name, ...words) {
-  const [width, height] = SIZE.map(String);
+export const reference = (scene, name, ...words) => referenceOf(SIZE, scene, name, ...words);
+
+/** The reference picture of a scene in another size. */
+export function referenceOf(pixels, scene, name, ...words) {
+  const [width, height] = pixels.map(String);
   const size = ["--width", width, "--height", height];
   umbrage("render", file(`${scene.name}.glb`), "-o", file(name), ...size, ...cameraOf(scene), ...words);
   return file(name);
