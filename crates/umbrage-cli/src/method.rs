@@ -48,6 +48,10 @@ pub struct MethodArgs {
     /// Do not put point split-hints into badly shaped patches: for comparison only
     #[arg(long)]
     keep_bad_shapes: bool,
+    /// Keep hidden sides, which no light reaches and nobody can see: the inside of closed boxes, what lies face to face.
+    /// They take triangles, and are black
+    #[arg(long)]
+    keep_hidden: bool,
 }
 
 impl MethodArgs {
@@ -69,6 +73,7 @@ impl MethodArgs {
             prepare: PrepareSettings {
                 cut_contacts: !(self.no_intersect || self.no_discontinuities),
                 smooth: !self.flat_shading,
+                keep_hidden: self.keep_hidden,
             },
             discontinuities: !self.no_discontinuities,
             shade: ShadeSettings {
@@ -170,6 +175,9 @@ mod tests {
         assert!(!settings.discontinuities && !settings.prepare.cut_contacts && !settings.mend_bad_shapes);
         let settings = Command::parse_from(["bake", "--no-intersect", "--flat-shading"]).method.settings(1);
         assert_eq!(settings.oracle, OracleKind::default());
+        assert!(!settings.prepare.keep_hidden);
+        let settings = Command::parse_from(["bake", "--keep-hidden"]).method.settings(1);
+        assert!(settings.prepare.keep_hidden);
         assert!(settings.discontinuities && !settings.prepare.cut_contacts && !settings.prepare.smooth);
     }
 }

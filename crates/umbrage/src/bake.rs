@@ -22,9 +22,10 @@ use std::time::Instant;
 use glam::DVec3;
 
 use crate::discontinuity::{self, DSegment, Discontinuities, Reflecting};
+use crate::hidden;
 use crate::id::{DSegmentId, PatchId, Table};
 use crate::mesh::Mesh;
-use crate::prepare::{self, PrepareError, PrepareReport, PrepareSettings, Prepared};
+use crate::prepare::{PrepareError, PrepareReport, PrepareSettings, Prepared};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Rgb, Scene, SceneError};
 use crate::shade::{self, BakedMesh, Bouncing, IndirectLight, Irradiance, Room, ShadeMeshes, Terms};
@@ -402,9 +403,8 @@ fn prepare_and_trace(
     progress: Progress<'_>,
 ) -> Result<(Traced, Visibility), BakeError> {
     scene.validate()?;
-    let prepared = prepare::prepare_with(scene, prepare, progress)?;
+    let (prepared, visibility) = hidden::faces_in_sight(scene, prepare, progress)?;
     check(|| prepared.validate().map_err(|error| error.to_string()));
-    let visibility = Visibility::new(&prepared);
     clock.end_of(Stage::Prepare);
 
     let discontinuities = match least_share {

@@ -7,7 +7,7 @@
 //! results lie beside the topology that they describe.
 //!
 //! ```text
-//! scene -> prepare -> visibility -> discontinuity -> mesh -> transport -> solve -> shade
+//! scene -> prepare -> visibility -> hidden -> discontinuity -> mesh -> transport -> solve -> shade
 //! ```
 
 pub mod id;
@@ -20,6 +20,8 @@ pub mod scene;
 pub mod prepare;
 
 pub mod visibility;
+
+pub mod hidden;
 
 pub mod discontinuity;
 

@@ -4,8 +4,11 @@
 //! point snaps to it, as far as the shadow may be moved without being seen; one of degree 0 moves only by rounding.
 //! Otherwise the boundary edge is split there, which is the point split-hint of the neighbours along it.
 //!
-//! Before: the patch is a leaf with an edge hint. After: it is split, with at most two new vertices; or the hint turned
-//! out to run along one side, and is gone.
+//! How far that is goes with the size of the patch. So a hint that snapped stays, for what is left of it in the subpatches,
+//! and one that runs along the boundary nearer than that waits until patches are small enough: what is lost here would be
+//! bisected without end.
+//!
+//! Before: the patch is a leaf with an edge hint. After: it is split, with at most two new vertices; or all hints wait.
 
 use glam::{DVec2, DVec3};
 
@@ -29,6 +32,14 @@ enum End {
     Inside(BoundaryPoint, DVec3),
 }
 
+/// A hint, prolonged to the boundary.
+#[derive(Clone, Copy, Debug)]
+struct Chord {
+    ends: [End; 2],
+    /// Whether an end snapped to a boundary point farther from it than rounding.
+    is_moved: bool,
+}
+
 impl End {
     /// For the test whether two ends lie on one side: a point inside an edge is a point of that edge's side alone.
     fn place(&self) -> BoundaryPoint {
@@ -50,14 +61,35 @@ impl Mesh {
         }
     }
 
-    /// Splits a leaf along its first edge hint. False where the hint runs along one side: it is then dropped.
+    /// Splits a leaf along the first of its edge hints that this patch is small enough for. False where there is none:
+    /// hints that run along the boundary, nearer to it than the patch may be cut, wait for its subpatches.
     pub(super) fn edge_split(&mut self, patch: PatchId) -> bool {
-        let hint = self.patches[patch].edge_hints.remove(0);
-        let Some(ends) = self.chord_of(patch, &hint) else { return false };
-        if on_one_side(&ends[0].place(), &ends[1].place(), self.patches[patch].sides.len()) {
-            return false;
+        let corners = self.polygon_2d_m(patch);
+        let mut number = 0;
+        while let Some(&hint) = self.patches[patch].edge_hints.get(number) {
+            let is_d0 = hint.degree == Degree::D0;
+            let waits = !is_d0 && hint.runs_along(&corners, self.along_m(patch, hint.degree));
+            let sides = self.patches[patch].sides.len();
+            let chord = if waits { None } else { self.chord_of(patch, &hint) };
+            match chord.filter(|chord| !on_one_side(&chord.ends[0].place(), &chord.ends[1].place(), sides)) {
+                Some(chord) => {
+                    // What snapped elsewhere has not been cut yet.
+                    if is_d0 || !chord.is_moved {
+                        self.patches[patch].edge_hints.remove(number);
+                    }
+                    self.cut_along(patch, &chord, &hint);
+                    return true;
+                }
+                // By rounding alone: the boundary is where it would cut.
+                None if is_d0 => drop(self.patches[patch].edge_hints.remove(number)),
+                None => number += 1,
+            }
         }
-        let vertices = ends.map(|end| match end {
+        false
+    }
+
+    fn cut_along(&mut self, patch: PatchId, chord: &Chord, hint: &EdgeHint) {
+        let vertices = chord.ends.map(|end| match end {
             End::Point(point) => point.vertex,
             End::Inside(before, at) => self.split_edge(before.leaf.edge, at),
         });
@@ -69,11 +101,10 @@ impl Mesh {
         if hint.degree == Degree::D0 {
             self.mark_jump(patch);
         }
-        true
     }
 
     /// The two places where the prolonged hint meets the boundary of the patch.
-    fn chord_of(&self, patch: PatchId, hint: &EdgeHint) -> Option<[End; 2]> {
+    fn chord_of(&self, patch: PatchId, hint: &EdgeHint) -> Option<Chord> {
         let [from, to] = hint.ends_m;
         let line = (f64::NEG_INFINITY, f64::INFINITY);
         let (t0, t1) = clip::line_in_convex(from, to, &self.polygon_2d_m(patch), line)?;
@@ -81,7 +112,13 @@ impl Mesh {
         let boundary = self.boundary(patch);
         let frame = self.frame(self.patches[patch].face);
         let corners_m: Vec<DVec2> = boundary.iter().map(|p| frame.to_2d(self.vertex_m(p.vertex))).collect();
-        Some([t0, t1].map(|t| self.end_at(from.lerp(to, t), &boundary, &corners_m, snap_m)))
+        let ends = [t0, t1].map(|t| self.end_at(from.lerp(to, t), &boundary, &corners_m, snap_m));
+        let moved_m = |(end, t): (&End, f64)| match end {
+            End::Point(point) => frame.to_2d(self.vertex_m(point.vertex)).distance(from.lerp(to, t)),
+            End::Inside(..) => 0.0,
+        };
+        let is_moved = ends.iter().zip([t0, t1]).map(moved_m).any(|moved_m| moved_m > self.least_edge_m);
+        Some(Chord { ends, is_moved })
     }
 
     /// The boundary point next to `at`, or else the place inside the leaf edge that `at` lies on.
@@ -149,6 +186,21 @@ mod tests {
     }
 
     #[test]
+    fn a_hint_near_the_boundary_waits_until_patches_are_small_enough() {
+        // At 1 cm from the border of 1 m: less than a snap there.
+        let mut mesh = square_with(&[(DVec2::new(0.0, 0.01), DVec2::new(1.0, 0.01), Degree::D1)]);
+        assert!(!mesh.edge_split(first()) && mesh.patch(first()).edge_hints().len() == 1);
+        for _ in 0..200 {
+            let lies_there = |&leaf: &crate::id::PatchId| !mesh.patch(leaf).edge_hints().is_empty();
+            let Some(leaf) = mesh.leaves().find(lies_there) else { break };
+            assert!(mesh.split(leaf));
+        }
+        assert!(mesh.leaves().all(|leaf| mesh.patch(leaf).edge_hints().is_empty()), "all of it is cut");
+        let is_on_it = |v: usize| (mesh.vertex_m(v.into()).y - 0.01).abs() < 1e-6;
+        assert!((0..mesh.vertex_count()).filter(|&v| is_on_it(v)).count() >= 4);
+    }
+
+    #[test]
     fn an_end_next_to_a_corner_snaps_but_not_for_degree_0() {
         let ends = (DVec2::new(0.01, 0.0), DVec2::new(1.0, 0.995));
         let mut soft = square_with(&[(ends.0, ends.1, Degree::D2)]);
@@ -161,17 +213,21 @@ mod tests {
 
     proptest! {
         #[test]
-        fn at_most_two_vertices_are_new_and_the_hint_is_used_up(
+        fn at_most_two_vertices_are_new_and_the_hint_is_used_up_but_for_its_snap(
             corners in sample::convex(3), from in (-0.9..0.9, -0.9..0.9), to in (-0.9..0.9, -0.9..0.9), degree in 0usize..3
         ) {
             let degree = [Degree::D0, Degree::D1, Degree::D2][degree];
             let mut mesh = sample::mesh_with(&[corners], &[(0, from.into(), to.into(), degree)]);
             prop_assume!(!mesh.patch(first()).edge_hints().is_empty());
-            let before = mesh.vertex_count();
+            let (before, snap_m) = (mesh.vertex_count(), mesh.along_m(first(), degree));
             let split = mesh.edge_split(first());
             prop_assert!(mesh.vertex_count() <= before + 2);
             prop_assert_eq!(split, mesh.patch(first()).subpatches.is_some());
-            prop_assert!(mesh.leaves().all(|leaf| mesh.patch(leaf).edge_hints().is_empty()));
+            for leaf in mesh.leaves() {
+                let corners = mesh.polygon_2d_m(leaf);
+                let mut hints = mesh.patch(leaf).edge_hints().iter();
+                prop_assert!(hints.all(|hint| degree != Degree::D0 && hint.runs_along(&corners, snap_m)));
+            }
         }
     }
 }

@@ -106,8 +106,7 @@ impl Mesh {
             let frame = self.frames[segment.face];
             let ends_m = segment.ends_m.map(|end| frame.to_2d(end));
             let hint = EdgeHint { d_segment, degree: segment.degree, strength: segment.strength, ends_m };
-            let (corners, along_m) = (self.polygon_2d_m(root), self.along_m(root, segment.degree));
-            let clipped = hint.clipped(&corners, self.least_edge_m, along_m);
+            let clipped = hint.clipped(&self.polygon_2d_m(root), self.least_edge_m);
             self.patches[root].edge_hints.extend(clipped);
         }
         self.patches.iter_mut().for_each(|patch| patch.edge_hints.sort_by(EdgeHint::by_priority));
@@ -336,9 +335,8 @@ impl Mesh {
         let hints = std::mem::take(&mut self.patches[patch].edge_hints);
         for subpatch in subpatches {
             let corners = self.polygon_2d_m(subpatch);
-            let along_m = [Degree::D0, Degree::D1, Degree::D2].map(|degree| self.along_m(subpatch, degree));
-            let clip = |hint: &EdgeHint| hint.clipped(&corners, self.least_edge_m, along_m[hint.degree.number()]);
-            let mut kept: Vec<EdgeHint> = hints.iter().filter_map(clip).collect();
+            let mut kept: Vec<EdgeHint> =
+                hints.iter().filter_map(|hint| hint.clipped(&corners, self.least_edge_m)).collect();
             kept.sort_by(EdgeHint::by_priority);
             self.patches[subpatch].edge_hints = kept;
         }

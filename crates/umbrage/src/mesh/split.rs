@@ -26,10 +26,8 @@ impl Mesh {
             return true;
         }
         self.asked.push(patch);
-        while !self.patches[patch].edge_hints.is_empty() {
-            if self.edge_split(patch) {
-                return true;
-            }
+        if self.edge_split(patch) {
+            return true;
         }
         if self.settings.mend_bad_shapes {
             self.add_point_hints(patch);

@@ -10,14 +10,15 @@ use smallvec::SmallVec;
 
 use super::arrangement::{Label, Shown, side_of};
 use super::coplanar::Planes;
+use super::needed::NeededEdge;
 use super::weld::{Frame, Points};
-use super::{DirectedEdge, Edge, Face, Facing, PrepareReport, Prepared, Side, Skin};
+use super::{DirectedEdge, Edge, Face, Facing, PrepareReport, Prepared, Rim, Side, Skin};
 use crate::geometry::{Plane, PlaneFrame, polygon};
 use crate::id::{EdgeId, FaceId, PlaneId, SkinId, Table, VertexId};
 use crate::scene::Scene;
 
 /// A convex piece of a plane.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct PlacedPiece {
     /// Its plane.
     pub(super) plane: PlaneId,
@@ -29,8 +30,12 @@ pub(super) struct PlacedPiece {
     pub(super) label: Label,
 }
 
+/// The piece that a face is one side of, and which.
+pub(super) type Origin = (usize, Facing);
+
 /// A face before it has a number.
 struct Draft {
+    origin: Origin,
     shown: Shown,
     centroid: DVec3,
     facing: Facing,
@@ -39,21 +44,29 @@ struct Draft {
     corners: Vec<usize>,
 }
 
-/// Makes the prepared scene of all pieces of all planes.
+/// What faces are made of besides the pieces.
+#[derive(Clone, Copy)]
+pub(super) struct Parts<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) frame: &'a Frame,
+    pub(super) planes: &'a Planes,
+    pub(super) skins: &'a Table<SkinId, Skin>,
+    pub(super) points: &'a Points,
+}
+
+/// Makes the prepared scene of all pieces of all planes, with rims along edges that have some; and says which side of
+/// which piece each face is.
 pub(super) fn assemble(
-    scene: &Scene,
-    frame: &Frame,
-    planes: &Planes,
-    skins: &Table<SkinId, Skin>,
-    points: &Points,
-    pieces: Vec<PlacedPiece>,
+    Parts { scene, frame, planes, skins, points }: Parts<'_>,
+    pieces: &[PlacedPiece],
+    edges: &[NeededEdge],
     mut report: PrepareReport,
-) -> Prepared {
+) -> (Prepared, Table<FaceId, Origin>) {
     let mut drafts = Vec::with_capacity(pieces.len());
-    for piece in &pieces {
+    for (number, piece) in pieces.iter().enumerate() {
         for facing in [Facing::Along, Facing::Against] {
             if let Some(shown) = piece.label[side_of(facing)] {
-                match draft(piece, facing, shown, planes, points) {
+                match draft(number, piece, facing, shown, planes, points) {
                     Some(draft) => drafts.push(draft),
                     None => report.dropped_cuts += 1,
                 }
@@ -68,6 +81,7 @@ pub(super) fn assemble(
     });
     let mut numbering = Numbering::default();
     let mut faces: Table<FaceId, Face> = Table::with_capacity(drafts.len());
+    let mut origins: Table<FaceId, Origin> = Table::with_capacity(drafts.len());
     for draft in drafts {
         let id = faces.next_key();
         let plane = numbering.plane(&draft, planes, points, frame.tolerance.weld_m());
@@ -76,8 +90,13 @@ pub(super) fn assemble(
         let skin = skin.map(|skin| numbering.skin(skin, skins));
         let material = scene.surfaces[surface].material;
         faces.push(Face { plane, facing: draft.facing, surface, material, skin, sides });
+        origins.push(draft.origin);
     }
-    Prepared {
+    let rims = numbering.rims(edges, frame.tolerance.extent_m, |face| {
+        let (piece, facing) = origins[face];
+        (pieces[piece].plane, facing)
+    });
+    let prepared = Prepared {
         origin_m: frame.origin_m,
         tolerance: frame.tolerance,
         planes: numbering.planes,
@@ -85,12 +104,21 @@ pub(super) fn assemble(
         vertices_m: numbering.vertices_m,
         edges: numbering.edges,
         faces,
+        rims,
         report,
-    }
+    };
+    (prepared, origins)
 }
 
 /// A facing of a piece; `None` where rounding left it no area.
-fn draft(piece: &PlacedPiece, facing: Facing, shown: Shown, planes: &Planes, points: &Points) -> Option<Draft> {
+fn draft(
+    number: usize,
+    piece: &PlacedPiece,
+    facing: Facing,
+    shown: Shown,
+    planes: &Planes,
+    points: &Points,
+) -> Option<Draft> {
     let (mut boundary, mut corners) = (piece.boundary.clone(), piece.corners.clone());
     let mut normal = planes.frames[piece.plane].plane.normal;
     if facing == Facing::Against {
@@ -106,7 +134,8 @@ fn draft(piece: &PlacedPiece, facing: Facing, shown: Shown, planes: &Planes, poi
     let polygon_m: Vec<DVec3> = corners.iter().map(|&i| points[boundary[i]]).collect();
     let has_area = polygon::doubled_area_vector(&polygon_m).dot(normal) > 0.0;
     let centroid = polygon::centroid(&polygon_m);
-    has_area.then_some(Draft { shown, centroid, facing, plane: piece.plane, boundary, corners })
+    let origin = (number, facing);
+    has_area.then_some(Draft { origin, shown, centroid, facing, plane: piece.plane, boundary, corners })
 }
 
 /// Numbers that are given on first use.
@@ -161,6 +190,31 @@ impl Numbering {
             sides.push(side);
         }
         sides
+    }
+
+    /// The rims along edges; `side_of_face` tells the plane, by its number before, and the facing of a face.
+    fn rims(
+        &self,
+        edges: &[NeededEdge],
+        extent_m: f64,
+        side_of_face: impl Fn(FaceId) -> (PlaneId, Facing),
+    ) -> Vec<Rim> {
+        let mut rims = Vec::new();
+        for edge in edges {
+            let [a, b] = edge.ends.map(|end| self.vertex_of.get(&end));
+            let (Some(&a), Some(&b)) = (a, b) else { continue };
+            let Some(&id) = self.edge_of.get(&[a.min(b), a.max(b)]) else { continue };
+            for used in &edge.uses {
+                for facing in [Facing::Along, Facing::Against] {
+                    let Some(width) = used.rims[side_of(facing)] else { continue };
+                    let here = |face: &&FaceId| side_of_face(**face) == (used.plane, facing);
+                    let width_m = width.width_m(extent_m);
+                    rims.extend(self.edges[id].faces.iter().find(here).map(|&face| Rim { edge: id, face, width_m }));
+                }
+            }
+        }
+        rims.sort_by_key(|rim| (rim.edge, rim.face));
+        rims
     }
 
     fn edge(&mut self, start: VertexId, end: VertexId, face: FaceId) -> DirectedEdge {

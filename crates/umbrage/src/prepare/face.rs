@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 use super::Skin;
+use super::rim::TAPER;
 use crate::geometry::{Plane, PlaneFrame, Tolerance};
 use crate::id::{EdgeId, FaceId, MaterialId, PlaneId, SkinId, SurfaceId, Table, VertexId};
 
@@ -71,8 +72,27 @@ pub struct Face {
     pub sides: Vec<Side>,
 }
 
+/// A narrow strip beyond an edge of a face, in its plane: area that is hidden, as the floor under a wall, and that continues
+/// what the face shows, so that rounding on the way to the screen opens no crack and shows no dark.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rim {
+    /// The edge.
+    pub edge: EdgeId,
+    /// The face that ends there.
+    pub face: FaceId,
+    /// How far the strip reaches beyond the edge, in metres.
+    pub width_m: f64,
+}
+
+impl Rim {
+    /// By how much the far side of the strip is shorter at each end, in metres.
+    pub fn taper_m(&self) -> f64 {
+        TAPER * self.width_m
+    }
+}
+
 /// What `prepare` mended, counted.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PrepareReport {
     /// Polygons of the input.
     pub polygons: usize,
@@ -94,6 +114,8 @@ pub struct PrepareReport {
     pub overlaps: usize,
     /// Cuts that rounding left no room for, and that were left out.
     pub dropped_cuts: usize,
+    /// Share of the area of all sides that is hidden, 0 to 1: sides that no light reaches and nobody can see, and that have no faces.
+    pub hidden_share: f64,
 }
 
 /// The prepared scene.
@@ -113,6 +135,8 @@ pub struct Prepared {
     pub edges: Table<EdgeId, Edge>,
     /// Faces.
     pub faces: Table<FaceId, Face>,
+    /// Rims beyond edges of faces, by edge and face; none where no area is hidden.
+    pub rims: Vec<Rim>,
     /// What was mended.
     pub report: PrepareReport,
 }
@@ -209,6 +233,11 @@ impl Prepared {
     /// Whether a face is part of a smooth surface.
     pub fn is_smooth(&self, face: FaceId) -> bool {
         self.faces[face].skin.is_some_and(|skin| self.skins[skin].is_smooth())
+    }
+
+    /// Whether what a face shows goes on in a rim beyond an edge.
+    pub fn has_rim(&self, edge: EdgeId, face: FaceId) -> bool {
+        self.rims.binary_search_by_key(&(edge, face), |rim| (rim.edge, rim.face)).is_ok()
     }
 
     /// Checks what the head of this file promises.

@@ -13,6 +13,8 @@
 //! 10. `convex`: cells fall into few, well-shaped convex pieces.
 //! 11. `diagonal`: borders between pieces are cut where other planes' vertices touch them.
 //! 12. `assemble`: pieces become faces, in an order that depends on the scene only.
+//!
+//! `draft` holds the result of steps 1 to 10; faces that turn out to be hidden are left out of it, and steps 9 to 12 are done again.
 
 mod arrangement;
 mod assemble;
@@ -21,6 +23,7 @@ mod convex;
 mod coplanar;
 mod crossing;
 mod diagonal;
+mod draft;
 mod error;
 mod face;
 mod merge;
@@ -28,6 +31,8 @@ mod near;
 mod needed;
 mod node;
 mod orient;
+mod pieces;
+mod rim;
 mod shell;
 mod sides;
 mod skin;
@@ -38,10 +43,11 @@ mod testing;
 mod triangulation;
 mod weld;
 
+pub use draft::{Draft, FaceOrigins};
 pub use error::PrepareError;
-pub use face::{DirectedEdge, Edge, Face, Facing, PrepareReport, Prepared, PreparedError, Side};
+pub use face::{DirectedEdge, Edge, Face, Facing, PrepareReport, Prepared, PreparedError, Rim, Side};
 pub use orient::orient;
 pub use shell::{Shells, shells};
 pub use skin::Skin;
 pub(crate) use skin::is_smooth_at;
-pub use stages::{PrepareSettings, prepare, prepare_with};
+pub use stages::{PrepareSettings, draft, prepare, prepare_with};

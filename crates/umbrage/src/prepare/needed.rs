@@ -15,18 +15,34 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::arrangement::Label;
+use super::rim::RimWidth;
 use super::sides;
 use super::weld::Points;
 use crate::geometry::Tolerance;
 use crate::id::{PlaneId, VertexId};
 
 /// What one plane shows beside an edge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Use {
     /// The plane.
     pub(super) plane: PlaneId,
     /// What it shows to the left and to the right of the edge, from its first end to its second.
     pub(super) beside: [Label; 2],
+    /// For each facing, how wide a rim is that continues what it shows into area that is hidden, if that begins here.
+    pub(super) rims: [Option<RimWidth>; 2],
+}
+
+impl Use {
+    /// What a plane shows beside an edge where nothing is hidden.
+    pub(super) fn new(plane: PlaneId, beside: [Label; 2]) -> Self {
+        Self { plane, beside, rims: [None; 2] }
+    }
+
+    /// Whether an edge with this use goes on in one with the other.
+    fn continues(&self, other: &Self) -> bool {
+        let has_rims = |rims: [Option<RimWidth>; 2]| rims.map(|rim| rim.is_some());
+        self.plane == other.plane && self.beside == other.beside && has_rims(self.rims) == has_rims(other.rims)
+    }
 }
 
 /// An edge that some face needs.
@@ -51,7 +67,7 @@ impl NeededEdge {
     }
 
     fn reversed(&self) -> Self {
-        let turned = |u: &Use| Use { plane: u.plane, beside: [u.beside[1], u.beside[0]] };
+        let turned = |u: &Use| Use { beside: [u.beside[1], u.beside[0]], ..*u };
         Self { ends: [self.ends[1], self.ends[0]], uses: self.uses.iter().map(turned).collect() }
     }
 
@@ -105,9 +121,16 @@ fn merge(chain: &[NeededEdge], is_loop: bool, points: &Points, tolerance: &Toler
     if vertices[0] == last.ends[1] && corners.len() < 4 {
         return chain.to_vec();
     }
-    let join = |w: &[usize]| NeededEdge {
-        ends: [vertices[w[0]], vertices[w[1]]],
-        uses: chain[w[0] % chain.len()].uses.clone(),
+    let join = |w: &[usize]| {
+        let mut uses = chain[w[0] % chain.len()].uses.clone();
+        // The narrowest rim fits along all of them.
+        let last = if w[1] > w[0] { w[1] } else { w[1] + chain.len() };
+        for part in w[0] + 1..last {
+            for (one, other) in uses.iter_mut().zip(&chain[part % chain.len()].uses) {
+                one.rims = [0, 1].map(|facing| one.rims[facing].max(other.rims[facing]));
+            }
+        }
+        NeededEdge { ends: [vertices[w[0]], vertices[w[1]]], uses }
     };
     corners.windows(2).map(join).collect()
 }
@@ -159,7 +182,9 @@ impl Chains<'_> {
         let &[a, b] = here.as_slice() else { return None };
         let next = if a == number { b } else { a };
         let arriving = self.edges[number].starting_at(vertex).reversed();
-        (arriving.uses == self.edges[next].starting_at(vertex).uses).then_some(next)
+        let leaving = self.edges[next].starting_at(vertex);
+        let continues = arriving.uses.iter().zip(&leaving.uses).all(|(one, other)| one.continues(other));
+        (continues && arriving.uses.len() == leaving.uses.len()).then_some(next)
     }
 }
 
@@ -171,7 +196,7 @@ mod tests {
     use crate::id::SurfaceId;
 
     fn edge(ends: [usize; 2], beside: [Label; 2]) -> NeededEdge {
-        let one = Use { plane: PlaneId::from(0), beside };
+        let one = Use::new(PlaneId::from(0), beside);
         NeededEdge { ends: ends.map(VertexId::from), uses: [one].into_iter().collect() }
     }
 
@@ -225,7 +250,7 @@ mod tests {
         assert!(edge([0, 1], border()).is_needed());
         let mut contact = edge([0, 1], [white(), white()]);
         assert!(!contact.is_contact());
-        contact.uses.push(Use { plane: PlaneId::from(1), beside: border() });
+        contact.uses.push(Use::new(PlaneId::from(1), border()));
         assert!(contact.is_needed() && contact.is_contact());
     }
 }

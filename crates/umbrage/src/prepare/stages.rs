@@ -2,31 +2,26 @@
 
 use std::collections::BTreeSet;
 
-use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use smallvec::SmallVec;
 
-use super::arrangement::{self, Arrangement, PlaneEdge};
-use super::assemble::{self, PlacedPiece};
+use super::arrangement::{Arrangement, PlaneEdge};
 use super::contact::{self, Contact};
-use super::convex;
 use super::coplanar::{self, Planes};
-use super::diagonal;
+use super::draft::{Draft, Fronts};
 use super::needed::{self, NeededEdge, Use};
 use super::node::Segments;
 use super::orient;
+use super::pieces::convex_pieces;
 use super::skin::Skins;
 use super::soup::{self, Polygon};
-use super::triangulation::Triangulation;
 use super::weld::{Frame, Points};
 use super::{PrepareError, PrepareReport, Prepared};
-use crate::geometry::Tolerance;
 use crate::id::{PlaneId, SurfaceId, VertexId};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::Scene;
 
 /// Steps that progress is told in.
-const STEPS: usize = 7;
+const STEPS: usize = 6;
 
 /// How faces are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,11 +30,13 @@ pub struct PrepareSettings {
     pub cut_contacts: bool,
     /// Whether faces that stand for a smooth surface, by the normals of their corners, are shaded as one.
     pub smooth: bool,
+    /// Whether sides that no light reaches and nobody can see become faces, too.
+    pub keep_hidden: bool,
 }
 
 impl Default for PrepareSettings {
     fn default() -> Self {
-        Self { cut_contacts: true, smooth: true }
+        Self { cut_contacts: true, smooth: true, keep_hidden: false }
     }
 }
 
@@ -61,6 +58,14 @@ pub fn prepare_with(
     settings: PrepareSettings,
     progress: Progress<'_>,
 ) -> Result<Prepared, PrepareError> {
+    Ok(draft(scene, settings, progress)?.faces(scene).0)
+}
+
+/// Divides all planes of a scene that is valid into pieces, of which [`Draft::faces`] makes faces.
+///
+/// # Errors
+/// As [`prepare_with`].
+pub fn draft(scene: &Scene, settings: PrepareSettings, progress: Progress<'_>) -> Result<Draft, PrepareError> {
     let pulse = |step: usize| progress.report(Stage::Prepare, step, STEPS);
     pulse(0)?;
     let mut report = PrepareReport::default();
@@ -98,14 +103,11 @@ pub fn prepare_with(
     report.t_vertices = t_vertices;
     let edges = needed_edges(&soup, &planes, &skins, &points, &by_plane, &mut report, || pulse(4))?;
     let edges = needed::straighten(&edges, &points, &tolerance);
-    report.contact_edges = edges.iter().filter(|e| e.is_contact()).count();
     pulse(5)?;
-    let mut pieces = convex_pieces(&edges, &planes, &points, &tolerance, &mut report, || pulse(5))?;
-    diagonal::cut(&mut pieces, &edges, &points, &tolerance);
-    pulse(6)?;
-    let prepared = assemble::assemble(scene, &frame, &planes, &skins.all, &points, pieces, report);
+    let pieces = convex_pieces(&edges, &planes, &points, &tolerance, &mut report, || pulse(5))?;
+    let fronts = Fronts::new(&soup, &planes);
     pulse(STEPS)?;
-    Ok(prepared)
+    Ok(Draft { frame, planes, skins: skins.all, points, edges, pieces, fronts, report })
 }
 
 fn no_area(scene: &Scene) -> PrepareError {
@@ -178,49 +180,11 @@ fn needed_edges(
         report.dropped_cuts += arrangement.missing_edges;
         for (edge, &beside) in edges.iter().zip(&arrangement.beside) {
             if beside != [[None; 2]; 2] {
-                uses.push((edge.ends, Use { plane: *plane, beside }));
+                uses.push((edge.ends, Use::new(*plane, beside)));
             }
         }
     }
     uses.par_sort_unstable_by_key(|(ends, u)| (*ends, u.plane));
     let edge = |run: &[([VertexId; 2], Use)]| NeededEdge { ends: run[0].0, uses: run.iter().map(|r| r.1).collect() };
     Ok(uses.chunk_by(|a, b| a.0 == b.0).map(edge).filter(NeededEdge::is_needed).collect())
-}
-
-/// Partitions the cells of every plane.
-fn convex_pieces(
-    edges: &[NeededEdge],
-    planes: &Planes,
-    points: &Points,
-    tolerance: &Tolerance,
-    report: &mut PrepareReport,
-    pulse: impl Fn() -> Result<(), Cancelled> + Sync,
-) -> Result<Vec<PlacedPiece>, Cancelled> {
-    let mut uses: Vec<(PlaneId, [VertexId; 2], Use)> = Vec::new();
-    for edge in edges {
-        let ascending = edge.starting_at(edge.ends[0].min(edge.ends[1]));
-        uses.extend(ascending.uses.iter().map(|&u| (u.plane, ascending.ends, u)));
-    }
-    uses.par_sort_by_key(|u| (u.0, u.1));
-    let runs: Vec<_> = uses.chunk_by(|a, b| a.0 == b.0).collect();
-    let partition = |run: &&[(PlaneId, [VertexId; 2], Use)]| {
-        pulse()?;
-        let plane = run[0].0;
-        let (vertices, numbered) = arrangement::number(run.iter().map(|u| u.1));
-        let flat: Vec<DVec2> = vertices.iter().map(|&v| planes.frames[plane].to_2d(points[v])).collect();
-        let positions: Vec<DVec3> = vertices.iter().map(|&v| points[v]).collect();
-        let beside: SmallVec<[_; 8]> = run.iter().map(|u| u.2.beside).collect();
-        let triangulation = Triangulation::new(&flat, &numbered);
-        let pieces = convex::pieces(&planes.frames[plane], &positions, &triangulation, &beside, tolerance);
-        let place = |piece: convex::Piece| PlacedPiece {
-            plane,
-            boundary: piece.boundary.iter().map(|&i| vertices[i as usize]).collect(),
-            corners: piece.corners,
-            label: piece.label,
-        };
-        Ok((pieces.into_iter().map(place).collect::<Vec<_>>(), triangulation.missing_edges))
-    };
-    let found: Vec<(Vec<PlacedPiece>, usize)> = runs.par_iter().map(partition).collect::<Result<_, _>>()?;
-    report.dropped_cuts += found.iter().map(|f| f.1).sum::<usize>();
-    Ok(found.into_iter().flat_map(|f| f.0).collect())
 }

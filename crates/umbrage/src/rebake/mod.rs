@@ -34,9 +34,11 @@ use crate::bake::{
     Bake, BakeError, BakeNotes, BakeSettings, Before, Clock, Known, Linked, Lit, Meshed, mesh_and_link, show, solve,
 };
 use crate::discontinuity::{self, DSegment, Discontinuities};
+use crate::hidden;
 use crate::id::PatchId;
 use crate::mesh::Mesh;
-use crate::prepare::{self, Prepared};
+
+use crate::prepare::Prepared;
 use crate::progress::{Progress, Stage};
 use crate::scene::{Rgb, Scene};
 use crate::shade::Terms;
@@ -188,11 +190,10 @@ pub fn rebake(
     }
     let mut clock = Clock::start();
     scene.validate().map_err(BakeError::from)?;
-    let prepared = prepare::prepare_with(scene, settings.prepare, progress).map_err(BakeError::from)?;
+    let (prepared, visibility) = hidden::faces_in_sight(scene, settings.prepare, progress).map_err(BakeError::from)?;
     if kept.faces != Faces::of(&prepared) {
         return Err(NotReusable::Surfaces.into());
     }
-    let visibility = Visibility::new(&prepared);
     if !kept.fits(&prepared, &visibility) {
         return Err(NotReusable::Damaged.into());
     }

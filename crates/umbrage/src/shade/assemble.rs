@@ -3,12 +3,14 @@
 //! Before: every leaf of the mesh is a triangle. After: a [`BakedMesh`] in the order of patches; vertices are shared
 //! within a part by corners that have the same in all that a vertex has. No triangle is flat as a needle.
 
+use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use super::corner_group;
 use super::field::{Field, Places, Values};
 use super::flat::{self, LitTriangle};
+use super::rim;
 use super::smooth;
 use super::{BakedMesh, BakedPart};
 use crate::id::{FaceId, SurfaceId, Table, VertexId};
@@ -22,7 +24,8 @@ use crate::visibility::ReceiverPoint;
 const GROUPS_A_REPORT: usize = 16;
 
 /// Assembles the triangles. Each group of corners has the value that refinement left at its vertex; where a contact passes
-/// through it, or nothing is known, the irradiance is evaluated. Also returned is how many flat triangles were taken out.
+/// through it, or nothing is known, the irradiance is evaluated. Rims are added where no more than `max_triangles` become of it.
+/// Also returned is how many flat triangles were taken out.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.
@@ -33,6 +36,7 @@ pub(super) fn assemble(
     places: &Places<'_>,
     known: &Values,
     irradiance: &impl Field,
+    max_triangles: usize,
     progress: Progress<'_>,
 ) -> Result<(BakedMesh, usize), Cancelled> {
     let triangles = corner_group::triangles(mesh);
@@ -62,20 +66,34 @@ pub(super) fn assemble(
     let mut lit: Vec<LitTriangle> =
         lit.map(|(t, values)| LitTriangle { face: t.face, vertices: t.vertices, values }).collect();
     let flat = flat::take_out(&mut lit, &mut values, |v| mesh.vertex_m(v), prepared.tolerance.weld_m());
-    Ok((parts(scene, prepared, mesh, &lit, &values), flat))
+    let mut strips = rim::strips(prepared, mesh, &lit, &values);
+    if lit.len() + strips.triangles.len() <= max_triangles {
+        lit.append(&mut strips.triangles);
+    }
+    let vertex_m = |v: VertexId| match v.index().checked_sub(mesh.vertex_count()) {
+        Some(number) => strips.vertices_m[number],
+        None => mesh.vertex_m(v),
+    };
+    Ok((parts(scene, prepared, vertex_m, &lit, &values), flat))
 }
 
 /// A vertex of a part: position, normal, irradiance and texture coordinates.
 type Vertex = ([f32; 3], [f32; 3], [f32; 3], Option<[f32; 2]>);
 
 /// The parts of all surfaces that are baked. Corners with the same bits of all that a vertex has are one vertex.
-fn parts(scene: &Scene, prepared: &Prepared, mesh: &Mesh, triangles: &[LitTriangle], values: &[Rgb]) -> BakedMesh {
+fn parts(
+    scene: &Scene,
+    prepared: &Prepared,
+    vertex_m: impl Fn(VertexId) -> DVec3,
+    triangles: &[LitTriangle],
+    values: &[Rgb],
+) -> BakedMesh {
     let mut parts: Table<SurfaceId, BakedPart> = scene.surfaces.keys().map(BakedPart::new).collect();
     let mut by_surface: Vec<usize> = (0..triangles.len()).collect();
     by_surface.retain(|&number| scene.surfaces[prepared.faces[triangles[number].face].surface].baked);
     by_surface.sort_by_key(|&number| (prepared.faces[triangles[number].face].surface, number));
     let vertex = |face: FaceId, vertex: VertexId, value: usize| -> Vertex {
-        let at_m = mesh.vertex_m(vertex);
+        let at_m = vertex_m(vertex);
         let uv = prepared.faces[face].skin.and_then(|skin| prepared.skins[skin].uv(at_m));
         let irradiance = values[value].max(Rgb::ZERO).as_vec3().to_array();
         (

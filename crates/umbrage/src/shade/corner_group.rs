@@ -69,7 +69,8 @@ pub(super) fn corner_groups(
         for (i, &edge) in triangle.edges.iter().enumerate() {
             let root = mesh.edges().root(edge);
             let contact = mesh.is_jump(root)
-                || (root.index() < prepared.edges.len() && is_contact(prepared, root, triangle.face));
+                || (root.index() < prepared.edges.len()
+                    && (is_contact(prepared, root, triangle.face) || prepared.has_rim(root, triangle.face)));
             if contact {
                 at_contact[3 * number + i] = true;
                 at_contact[3 * number + (i + 1) % 3] = true;

@@ -101,6 +101,10 @@ impl<'a> Places<'a> {
                 edge.ends.iter().for_each(|&end| contact_vertices[end] = true);
             }
         }
+        // Around the foot of a thing the light still depends on the direction, though what is beneath it is hidden.
+        for rim in &prepared.rims {
+            prepared.edges[rim.edge].ends.iter().for_each(|&end| contact_vertices[end] = true);
+        }
         Self { prepared, contact_vertices, contact_edges }
     }
 

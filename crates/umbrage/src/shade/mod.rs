@@ -19,6 +19,7 @@ mod part;
 mod plain;
 mod refine;
 mod reflected;
+mod rim;
 #[expect(clippy::module_inception, reason = "the module's main function is named like the module")]
 mod shade;
 mod smooth;

@@ -154,6 +154,7 @@ pub fn shade(
     total.direct = Direct::new(direct);
     values.shift(&shifts);
     mesh.triangulate();
-    let (mesh, flat_triangles) = assemble(scene, prepared, mesh, &places, &values, &total, progress)?;
+    let most = settings.max_triangles;
+    let (mesh, flat_triangles) = assemble(scene, prepared, mesh, &places, &values, &total, most, progress)?;
     Ok(Shaded { mesh, error, flat_triangles })
 }

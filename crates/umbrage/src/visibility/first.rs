@@ -18,6 +18,7 @@ struct Met {
     /// 0 at the start of the ray, 1 at its end.
     at: f64,
     plane: PlaneId,
+    face: FaceId,
     /// The face whose front it is; `None` where it is a back.
     front: Option<FaceId>,
 }
@@ -26,6 +27,18 @@ impl Visibility {
     /// The face whose front the open segment between two points meets first, and where; `None` where it meets none, or a back before.
     /// Faces in the plane `passing` are passed through.
     pub fn first_front(&self, from_m: DVec3, to_m: DVec3, passing: PlaneId) -> Option<(FaceId, DVec3)> {
+        let met = self.first_met(from_m, to_m, Some(passing))?;
+        Some((met.front?, from_m.lerp(to_m, met.at)))
+    }
+
+    /// The face that the open segment between two points meets first, and whether it meets its front. Faces in the plane `passing` are
+    /// passed through.
+    pub fn first_side(&self, from_m: DVec3, to_m: DVec3, passing: Option<PlaneId>) -> Option<(FaceId, bool)> {
+        let met = self.first_met(from_m, to_m, passing)?;
+        Some((met.front.unwrap_or(met.face), met.front.is_some()))
+    }
+
+    fn first_met(&self, from_m: DVec3, to_m: DVec3, passing: Option<PlaneId>) -> Option<Met> {
         let tree = self.tree();
         let slabs = Slabs::new(from_m, to_m);
         let enters = |node: u32| {
@@ -47,7 +60,7 @@ impl Visibility {
                 for &primitive in &tree.primitive_indices[range] {
                     let face = FaceId::from(primitive as usize);
                     let [min_m, max_m] = self.bounds_m(face);
-                    if self.plane(face) != passing && slabs.meet(min_m, max_m) {
+                    if Some(self.plane(face)) != passing && slabs.meet(min_m, max_m) {
                         self.meet(face, from_m, to_m, &mut first);
                     }
                 }
@@ -64,8 +77,7 @@ impl Visibility {
                 stack.push(near);
             }
         }
-        let met = first?;
-        Some((met.front?, from_m.lerp(to_m, met.at)))
+        first
     }
 
     /// Notes a face that a segment crosses, where it is the first so far.
@@ -77,7 +89,7 @@ impl Visibility {
         match first {
             Some(met) if met.plane == plane => met.front = met.front.or(front),
             Some(met) if met.at <= at => {}
-            _ => *first = Some(Met { at, plane, front }),
+            _ => *first = Some(Met { at, plane, face, front }),
         }
     }
 }

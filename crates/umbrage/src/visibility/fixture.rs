@@ -34,6 +34,7 @@ pub(crate) fn prepared_of_materials(polygons: &[(Vec<DVec3>, usize)]) -> Prepare
         vertices_m: Default::default(),
         edges: Default::default(),
         faces: Default::default(),
+        rims: Vec::new(),
         report: PrepareReport::default(),
     };
     let mut vertices: BTreeMap<[u32; 3], VertexId> = BTreeMap::new();
