@@ -73,8 +73,8 @@ pub(crate) struct Answer {
 pub(crate) fn run(args: &RandomOneArgs) -> anyhow::Result<()> {
     let limit_s = args.settings.limit;
     end_after(limit_s + JUDGING_S);
-    let scene = RandomScene::new(args.seed, args.settings.size());
-    let scene = scene.scene(|part| args.parts.as_ref().is_none_or(|parts| parts.has(part)));
+    let random = RandomScene::new(args.seed, args.settings.size());
+    let scene = random.scene(|part| args.parts.as_ref().is_none_or(|parts| parts.has(part)));
     let default = BakeSettings::default();
     let shade = ShadeSettings { tolerance: args.settings.tolerance, ..default.shade };
     let in_time = |_| match usage::cpu_seconds() {
@@ -95,6 +95,7 @@ pub(crate) fn run(args: &RandomOneArgs) -> anyhow::Result<()> {
                 triangles: &triangles,
                 tolerance: args.settings.tolerance,
                 surplus: baked.report.energy.error(),
+                light: random.is_distinct(),
                 warned: false,
             };
             if let Err(broken) = baked.mesh.validate() {

@@ -14,6 +14,8 @@ const HALF_WIDTH_M: f64 = 3.0;
 pub(super) const HEIGHT_M: f64 = 3.0;
 /// Things are at most so large from their middle on, in metres.
 const LARGEST_M: f64 = 1.0;
+/// Gaps narrower than this are welded, in metres: 4 millionths of the largest scene, of which the baker welds 3.
+const HAIR_M: f64 = 3e-5;
 /// Places are multiples of this where things shall touch, in metres.
 const GRID_M: f64 = 0.5;
 
@@ -133,7 +135,7 @@ fn standing(numbers: &mut Numbers, traits: &mut BTreeSet<&'static str>) -> Thing
 fn gap_m(numbers: &mut Numbers, traits: &mut BTreeSet<&'static str>) -> f64 {
     let gap_m = numbers.gap_m();
     if gap_m > 0.0 {
-        traits.insert("narrow gap");
+        traits.insert(if gap_m < HAIR_M { "gap of a hair" } else { "narrow gap" });
     }
     gap_m
 }
