@@ -1,6 +1,8 @@
 //! What a bake shows at a point: the light of the triangle there, between its corners.
 
-use glam::DVec3;
+use std::f64::consts::TAU;
+
+use glam::{DVec2, DVec3};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
@@ -16,6 +18,11 @@ const ON_PLANE_OF_EXTENT: f64 = 1e-4;
 const SAME_WAY: f64 = 0.999;
 /// A point may lie outside of its triangle by this share of it: corners are rounded.
 const OUTSIDE: f64 = 1e-3;
+/// A bake shows a strip no wider than this share of the extent of area that is hidden, beside what can be seen: half as much
+/// again as the rims that umbrage makes.
+const RIM_OF_EXTENT: f64 = 1.5e-3;
+/// In so many directions is looked for an end of what is shown.
+const AROUND: usize = 16;
 
 struct Boxed<'a>(&'a BakedTriangle, f64);
 
@@ -31,6 +38,7 @@ pub(crate) struct Baked<'a> {
     triangles: &'a [BakedTriangle],
     tree: Bvh2,
     on_plane_m: f64,
+    rim_m: f64,
 }
 
 impl<'a> Baked<'a> {
@@ -42,7 +50,7 @@ impl<'a> Baked<'a> {
         } else {
             build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Default::default())
         };
-        Self { triangles, tree, on_plane_m }
+        Self { triangles, tree, on_plane_m, rim_m: RIM_OF_EXTENT * extent_m }
     }
 
     /// The irradiance that the bake shows at a point; `None` where it has no triangle there that looks the same way.
@@ -64,6 +72,17 @@ impl<'a> Baked<'a> {
             true
         });
         best.map(|(.., light)| light)
+    }
+
+    /// Whether the bake shows nothing at some place beside a point, no farther away than a rim is wide: what is shown goes on
+    /// so far beneath what stands on it.
+    pub(crate) fn ends_near(&self, place: &Place) -> bool {
+        let (u, v) = place.normal.any_orthonormal_pair();
+        (0..AROUND).any(|number| {
+            let direction = DVec2::from_angle(TAU * number as f64 / AROUND as f64);
+            let beside = self.rim_m * (direction.x * u + direction.y * v);
+            self.irradiance(&Place { position_m: place.position_m + beside, ..*place }).is_none()
+        })
     }
 
     /// The least barycentric coordinate of a point that lies in a triangle, and the light there.

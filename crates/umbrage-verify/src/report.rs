@@ -53,7 +53,7 @@ impl CheckedPoint {
 pub struct Report {
     /// Points that were compared.
     pub compared: usize,
-    /// Points that see nothing but backs, or nothing: they are left out.
+    /// Points that no light reaches and that the bake does not show, or that see nothing but backs: they are left out.
     pub buried: usize,
     /// Points where the bake has no triangle that looks the same way.
     pub uncovered: usize,

@@ -100,13 +100,15 @@ pub fn verify(
     let (mut compared, mut buried, mut uncovered, mut rays) = (Vec::new(), Vec::new(), 0, 0);
     for (place, (shown, gathered)) in places.iter().zip(&gathered) {
         rays += gathered.rays;
-        let hidden = !gathered.sees_a_side && gathered.batches.iter().all(|&batch| batch == Rgb::ZERO);
+        let is_dark = gathered.batches.iter().all(|&batch| batch == Rgb::ZERO);
         let point = |shown| CheckedPoint::new(place.position_m, place.normal, shown, &gathered.batches);
         match shown {
-            // What is buried may be left out of a bake.
-            None if hidden => buried.push(point(Rgb::ZERO)),
+            // What no light reaches may be left out of a bake.
+            None if is_dark => buried.push(point(Rgb::ZERO)),
             None => uncovered += 1,
-            Some(shown) if hidden => buried.push(point(*shown)),
+            // And what is shown beside it may go on for a bit into it.
+            Some(shown) if is_dark && *shown != Rgb::ZERO && baked.ends_near(place) => buried.push(point(Rgb::ZERO)),
+            Some(shown) if is_dark && !gathered.sees_a_side => buried.push(point(*shown)),
             Some(shown) => compared.push(point(*shown)),
         }
     }

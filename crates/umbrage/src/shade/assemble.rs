@@ -23,6 +23,12 @@ use crate::visibility::ReceiverPoint;
 /// Groups evaluated between two reports of progress.
 const GROUPS_A_REPORT: usize = 16;
 
+/// What corners show: values that are known, and the field that tells the others.
+pub(super) struct Light<'a, F> {
+    pub(super) known: &'a Values,
+    pub(super) field: &'a F,
+}
+
 /// Assembles the triangles. Each group of corners has the value that refinement left at its vertex; where a contact passes
 /// through it, or nothing is known, the irradiance is evaluated. Rims are added where no more than `max_triangles` become of it.
 /// Also returned is how many flat triangles were taken out.
@@ -34,8 +40,7 @@ pub(super) fn assemble(
     prepared: &Prepared,
     mesh: &Mesh,
     places: &Places<'_>,
-    known: &Values,
-    irradiance: &impl Field,
+    Light { known, field }: Light<'_, impl Field>,
     max_triangles: usize,
     progress: Progress<'_>,
 ) -> Result<(BakedMesh, usize), Cancelled> {
@@ -58,7 +63,7 @@ pub(super) fn assemble(
                 normal: prepared.normal(group.face),
                 plane: prepared.faces[group.face].plane,
             };
-            Ok(irradiance.at(mesh, &point, patch))
+            Ok(field.at(mesh, &point, patch))
         })
         .collect::<Result<Vec<Rgb>, Cancelled>>()?;
     let mut values = smooth::smooth(prepared, mesh, &triangles, &groups, &group_of, &values);

@@ -9,7 +9,7 @@
 //! light, and where light is even it stays coarse.
 
 use super::BakedMesh;
-use super::assemble::assemble;
+use super::assemble::{Light, assemble};
 use super::direct::Direct;
 use super::field::{Field, Places, Values};
 use super::interpolated::Interpolated;
@@ -154,7 +154,7 @@ pub fn shade(
     total.direct = Direct::new(direct);
     values.shift(&shifts);
     mesh.triangulate();
-    let most = settings.max_triangles;
-    let (mesh, flat_triangles) = assemble(scene, prepared, mesh, &places, &values, &total, most, progress)?;
+    let light = Light { known: &values, field: &total };
+    let (mesh, flat_triangles) = assemble(scene, prepared, mesh, &places, light, settings.max_triangles, progress)?;
     Ok(Shaded { mesh, error, flat_triangles })
 }
