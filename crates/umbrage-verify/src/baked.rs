@@ -14,6 +14,9 @@ use crate::verify::BakedTriangle;
 
 /// A triangle further from a point than this share of the extent is not its own.
 const ON_PLANE_OF_EXTENT: f64 = 1e-4;
+/// Of triangles that are, those nearer than this share are before all others: corners are welded by 3 millionths at most. Sheets
+/// that lie closer to one another than `ON_PLANE_OF_EXTENT` are told apart by that.
+const OWN_OF_EXTENT: f64 = 4e-6;
 /// Nor is one that looks another way: the least cosine.
 const SAME_WAY: f64 = 0.999;
 /// A point may lie outside of its triangle by this share of it: corners are rounded.
@@ -33,11 +36,20 @@ impl Boundable for Boxed<'_> {
     }
 }
 
+/// What a bake shows at a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shown {
+    pub(crate) irradiance: Rgb,
+    /// Whether that is surely of the point's own surface, and not of one close behind or before it.
+    pub(crate) is_own: bool,
+}
+
 /// The triangles of a bake, by place.
 pub(crate) struct Baked<'a> {
     triangles: &'a [BakedTriangle],
     tree: Bvh2,
     on_plane_m: f64,
+    own_m: f64,
     rim_m: f64,
 }
 
@@ -50,13 +62,13 @@ impl<'a> Baked<'a> {
         } else {
             build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Default::default())
         };
-        Self { triangles, tree, on_plane_m, rim_m: RIM_OF_EXTENT * extent_m }
+        Self { triangles, tree, on_plane_m, own_m: OWN_OF_EXTENT * extent_m, rim_m: RIM_OF_EXTENT * extent_m }
     }
 
     /// The irradiance that the bake shows at a point; `None` where it has no triangle there that looks the same way.
-    pub(crate) fn irradiance(&self, place: &Place) -> Option<Rgb> {
-        // The triangle that the point lies deepest in, by its least barycentric coordinate.
-        let mut best: Option<(f64, usize, Rgb)> = None;
+    pub(crate) fn irradiance(&self, place: &Place) -> Option<Shown> {
+        // The triangle in whose plane it is, and among these that the point lies deepest in, by its least barycentric coordinate.
+        let mut best: Option<((bool, f64), usize, Rgb)> = None;
         self.tree.point_traverse(place.position_m.as_vec3a(), |tree, index| {
             let node = &tree.nodes[index as usize];
             let range = node.first_index as usize..(node.first_index + node.prim_count) as usize;
@@ -71,7 +83,7 @@ impl<'a> Baked<'a> {
             }
             true
         });
-        best.map(|(.., light)| light)
+        best.map(|((is_own, _), _, irradiance)| Shown { irradiance, is_own })
     }
 
     /// Whether the bake shows nothing at some place beside a point, no farther away than a rim is wide: what is shown goes on
@@ -85,8 +97,8 @@ impl<'a> Baked<'a> {
         })
     }
 
-    /// The least barycentric coordinate of a point that lies in a triangle, and the light there.
-    fn within(&self, triangle: &BakedTriangle, place: &Place) -> Option<(f64, Rgb)> {
+    /// Whether a point that lies in a triangle is in its plane, its least barycentric coordinate, and the light there.
+    fn within(&self, triangle: &BakedTriangle, place: &Place) -> Option<((bool, f64), Rgb)> {
         let corners = triangle.corners_m;
         let across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         let doubled = across.length();
@@ -100,6 +112,7 @@ impl<'a> Baked<'a> {
         let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
         let light = weights.iter().zip(triangle.irradiance).map(|(w, e)| w.max(0.0) * e).sum::<Rgb>();
         let sum: f64 = weights.iter().map(|w| w.max(0.0)).sum();
-        (least >= -OUTSIDE).then(|| (least, light / sum))
+        let is_own = away.dot(normal).abs() <= self.own_m;
+        (least >= -OUTSIDE).then(|| ((is_own, least), light / sum))
     }
 }

@@ -26,10 +26,13 @@ const TRIANGLES_OF_POLYGON: usize = 1000;
 /// ... where there are more than this in all: one large floor under a near bulb takes thousands.
 const FEW_TRIANGLES: usize = 20_000;
 
-/// How a suspect is found.
-const FIRST: Settings = Settings { points: 150, paths: 128, seed: 1 };
-/// How it is confirmed.
-const SECOND: Settings = Settings { points: 600, paths: 2048, seed: 2 };
+/// Light fainter than this share of the brightest source is none: it is that of sources seen from their edge, by rounding.
+const NOTHING_OF_BRIGHTEST: f64 = 1e-9;
+
+/// How many points and paths find a suspect.
+const FIRST: [usize; 2] = [150, 128];
+/// How many confirm it, by other random numbers.
+const SECOND: [usize; 2] = [600, 2048];
 
 /// A kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -114,24 +117,33 @@ pub fn judge(judged: &Judged<'_>) -> Result<Judgement, VerifyError> {
     if triangles > FEW_TRIANGLES.max(TRIANGLES_OF_POLYGON * polygons) {
         add(FaultKind::Triangles, format!("{triangles} of {polygons} polygons"));
     }
-    let check =
-        |settings: &Settings| match verify(judged.scene, judged.triangles, settings, &|_, _| ControlFlow::Continue(()))
-        {
-            Ok(report) => Ok(Some(report)),
+    let check = |[points, paths]: [usize; 2], seed: u64| {
+        let settings = Settings { points, paths, seed, ..Settings::default() };
+        match verify(judged.scene, judged.triangles, &settings, &|_, _| ControlFlow::Continue(())) {
+            Ok(report) => {
+                Ok((report.mean_irradiance > NOTHING_OF_BRIGHTEST * brightest(judged.scene)).then_some(report))
+            }
             Err(VerifyError::NothingToCompare) => Ok(None),
             Err(error) => Err(error),
-        };
-    let mut report = if judged.light { check(&FIRST)? } else { None };
-    if report.as_ref().is_some_and(|report| !light_faults(report, judged.tolerance, &FIRST).is_empty()) {
-        report = check(&SECOND)?;
-        faults.extend(report.iter().flat_map(|report| light_faults(report, judged.tolerance, &SECOND)));
+        }
+    };
+    let mut report = if judged.light { check(FIRST, 1)? } else { None };
+    if report.as_ref().is_some_and(|report| !light_faults(report, judged.tolerance, FIRST[0]).is_empty()) {
+        report = check(SECOND, 2)?;
+        faults.extend(report.iter().flat_map(|report| light_faults(report, judged.tolerance, SECOND[0])));
     }
     faults.sort_by_key(|fault| fault.kind);
     Ok(Judgement { faults, error: report.map(|report| report.error).unwrap_or_default() })
 }
 
+/// The exitance of the brightest surface, or the brightness of the brightest lamp.
+fn brightest(scene: &Scene) -> f64 {
+    let surfaces = scene.materials.iter().map(|material| material.exitance());
+    surfaces.chain(scene.lamps.iter().map(|lamp| lamp.brightness())).map(Rgb::max_element).fold(0.0, f64::max)
+}
+
 /// What is wrong by a check.
-fn light_faults(report: &Report, tolerance: f64, settings: &Settings) -> Vec<Fault> {
+fn light_faults(report: &Report, tolerance: f64, points: usize) -> Vec<Fault> {
     let mut faults = Vec::new();
     let mut add = |kind, what: String| faults.push(Fault { kind, what });
     let Estimate { value, standard_error } = report.error;
@@ -142,15 +154,15 @@ fn light_faults(report: &Report, tolerance: f64, settings: &Settings) -> Vec<Fau
     }
     let bright = |light: Rgb| light.max_element() > LEAK_OF_MEAN * report.mean_irradiance;
     let leaks: Vec<_> = report.leaks.iter().filter(|leak| bright(leak.baked)).collect();
-    if let Some(worst) = leaks.first().filter(|_| leaks.len() as f64 > LEAKS_OF_POINTS * settings.points as f64) {
+    if let Some(worst) = leaks.first().filter(|_| leaks.len() as f64 > LEAKS_OF_POINTS * points as f64) {
         let mean = report.mean_irradiance;
         add(
             FaultKind::Leak,
             format!("{} points, one at {}: {} W/m2, mean {mean}", leaks.len(), worst.position_m, worst.baked),
         );
     }
-    if report.uncovered as f64 > LEAKS_OF_POINTS * settings.points as f64 {
-        add(FaultKind::Uncovered, format!("{} of {} points", report.uncovered, settings.points));
+    if report.uncovered as f64 > LEAKS_OF_POINTS * points as f64 {
+        add(FaultKind::Uncovered, format!("{} of {} points", report.uncovered, points));
     }
     faults
 }
