@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
+use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
-use obvhs::{Boundable, BvhBuildParams};
 use umbrage::scene::Rgb;
 
+use crate::boxes::tree;
 use crate::path::Place;
 use crate::verify::BakedTriangle;
 
@@ -57,11 +57,7 @@ impl<'a> Baked<'a> {
     pub(crate) fn new(triangles: &'a [BakedTriangle], extent_m: f64) -> Self {
         let on_plane_m = ON_PLANE_OF_EXTENT * extent_m;
         let boxes: Vec<Boxed<'_>> = triangles.iter().map(|t| Boxed(t, on_plane_m)).collect();
-        let tree = if boxes.is_empty() {
-            Bvh2::default()
-        } else {
-            build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Default::default())
-        };
+        let tree = if boxes.is_empty() { Bvh2::default() } else { tree(&boxes) };
         Self { triangles, tree, on_plane_m, own_m: OWN_OF_EXTENT * extent_m, rim_m: RIM_OF_EXTENT * extent_m }
     }
 

@@ -10,11 +10,10 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use glam::DVec3;
+use obvhs::Boundable;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
-use obvhs::{Boundable, BvhBuildParams};
 
+use crate::boxes::tree;
 use crate::verify::BakedTriangle;
 
 /// A vertex nearer to an edge than this share of the extent lies on it: 16 roundings of an `f32` coordinate.
@@ -103,7 +102,7 @@ pub fn t_vertices(triangles: &[BakedTriangle]) -> Vec<TVertex> {
     if boxes.is_empty() {
         return Vec::new();
     }
-    let tree: Bvh2 = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Default::default());
+    let tree = tree(&boxes);
     let fans = fans(triangles, middle_m);
     let mut found = Vec::new();
     for (vertex, fan) in &fans {

@@ -16,6 +16,7 @@
 //! Holds: the report depends on the seed and never on threads or time.
 
 mod baked;
+mod boxes;
 pub mod conformity;
 mod emitters;
 pub mod judge;
