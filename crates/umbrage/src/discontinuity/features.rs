@@ -105,7 +105,7 @@ impl Surroundings<'_> {
     /// The faces that receive the rays of a wedge (see [`trace::received`]).
     pub(super) fn received(&self, wedge: &Wedge, hiding: &[Piece], beyond: &[Piece]) -> Vec<Received> {
         self.wedges.fetch_add(1, Ordering::Relaxed);
-        trace::received(hiding, beyond, |face| self.lit(face, wedge.apex))
+        trace::received(hiding, beyond, |face| self.lit(face, wedge.apex), |face| self.visibility.plane(face))
     }
 
     /// Whether the front of a face is turned to `eye`, and it shows received light.

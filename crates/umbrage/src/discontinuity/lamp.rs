@@ -76,7 +76,7 @@ impl Surroundings<'_> {
         };
         let trace = |pieces: &[Piece]| -> Vec<Received> {
             let hiding = trace::part_at(pieces, 1.0, true);
-            trace::received(&hiding, &trace::part_at(pieces, 1.0, false), lit)
+            trace::received(&hiding, &trace::part_at(pieces, 1.0, false), lit, |face| self.visibility.plane(face))
         };
         let ends: Vec<(FaceId, [DVec3; 2])> = match lamp.position_m() {
             Some(apex) => {

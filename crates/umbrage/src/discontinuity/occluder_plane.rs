@@ -12,6 +12,7 @@ use super::in_plane::InPlane;
 use super::{DSegment, Emitter, Event, merge};
 use crate::geometry::{Plane, polygon};
 use crate::id::{EdgeId, EmitterId, FaceId, PlaneId};
+use crate::prepare::DirectedEdge;
 
 /// A line on an emitter, or on a face in a plane.
 pub(super) type Chord = [DVec3; 2];
@@ -74,21 +75,39 @@ impl Surroundings<'_> {
         }
         let event = Event::OccluderPlane { emitter: id, occluder };
         let mut segments = Vec::new();
-        for face in self.features.faces_in(occluder) {
-            let inside = polygon::centroid(&self.prepared.polygon_m(face));
-            for edge in self.prepared.faces[face].sides.iter().flatten().map(|side| side.edge) {
-                let Some(through) = self.part_in_front(emitter, self.ends(edge)) else { continue };
-                let along = (through[1] - through[0]).normalize_or_zero();
-                let across = |p: DVec3| (p - through[0]) - (p - through[0]).dot(along) * along;
-                let beside = |other: FaceId| self.prepared.edges[edge].faces.contains(&other);
-                // Rays leave the face here that come over it: from sources on its side of the edge.
-                for &source in chords.iter().filter(|chord| chord.iter().any(|&p| across(p).dot(across(inside)) > 0.0))
-                {
-                    segments
-                        .extend(self.in_plane(&InPlane { plane, source, occluder: through, beside: &beside }, event));
-                }
+        for (edge, side) in self.sides_in(occluder) {
+            let Some(through) = self.part_in_front(emitter, self.ends(edge)) else { continue };
+            let inward = self.across_in(&plane, edge) * f64::from(side);
+            let beside = |other: FaceId| self.prepared.edges[edge].faces.contains(&other);
+            // Rays leave the face here that come over it: from sources on its side of the edge.
+            let is_over = |chord: &&Chord| chord.iter().any(|&p| inward.dot(p - through[0]) > 0.0);
+            for &source in chords.iter().filter(is_over) {
+                segments.extend(self.in_plane(&InPlane { plane, source, occluder: through, beside: &beside }, event));
             }
         }
         merge::merge(segments, self.weld_m())
+    }
+
+    /// The edges of the faces in a plane, and on which side of the edge a face lies: the sense of [`Self::across_in`], or the
+    /// other. Once each, though a sheet has two faces.
+    fn sides_in(&self, plane: PlaneId) -> Vec<(EdgeId, i8)> {
+        let frame = self.prepared.planes[plane].plane;
+        let mut sides: Vec<(EdgeId, i8)> = Vec::new();
+        for face in self.features.faces_in(plane) {
+            let inside = polygon::centroid(&self.prepared.polygon_m(face));
+            sides.extend(self.prepared.faces[face].sides.iter().flatten().map(|&DirectedEdge { edge, .. }| {
+                let over = self.across_in(&frame, edge).dot(inside - self.ends(edge)[0]);
+                (edge, if over > 0.0 { 1 } else { -1 })
+            }));
+        }
+        sides.sort_unstable();
+        sides.dedup();
+        sides
+    }
+
+    /// The direction across an edge in a plane.
+    fn across_in(&self, plane: &Plane, edge: EdgeId) -> DVec3 {
+        let [from, to] = self.ends(edge);
+        plane.normal.cross(to - from)
     }
 }

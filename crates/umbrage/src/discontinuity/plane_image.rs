@@ -77,7 +77,7 @@ impl PlaneImage {
     /// part beside the line that nearer things move over.
     fn gain(&self, s: f64, side: usize) -> f64 {
         let nearness = |pieces: &[Piece]| -> Option<[f64; 2]> {
-            let here = pieces.iter().filter(|piece| piece.s[0] < s && s < piece.s[1]).map(|piece| piece.nearness_at(s));
+            let here = pieces.iter().filter_map(|piece| piece.nearness_in(s));
             here.fold(None, |range, n| {
                 let [lo, hi] = range.unwrap_or([n, n]);
                 Some([lo.min(n), hi.max(n)])

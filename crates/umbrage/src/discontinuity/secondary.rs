@@ -148,6 +148,15 @@ mod tests {
         fixture::prepared(&faces)
     }
 
+    /// The same as sheets that show both of their sides: the other sides come after all fronts, which keep their numbers.
+    fn stage_of_sheets(panels: &[[[f64; 2]; 2]]) -> Prepared {
+        let mut faces = vec![square(DVec3::ZERO, 3.0, true), square(DVec3::Z, 0.5, true)];
+        faces.extend(panels.iter().map(|&panel| rectangle(panel)));
+        let backs: Vec<Vec<DVec3>> = faces.iter().map(|face| face.iter().rev().copied().collect()).collect();
+        faces.extend(backs);
+        fixture::prepared(&faces)
+    }
+
     /// A rectangle at height 2 that looks down, by its low and high corners.
     fn rectangle([low, high]: [[f64; 2]; 2]) -> Vec<DVec3> {
         [(0, 0), (0, 1), (1, 1), (1, 0)].map(|(i, j)| DVec3::new([low, high][i][0], [low, high][j][1], 2.0)).to_vec()
@@ -228,6 +237,19 @@ mod tests {
             // All of it is bright: its own corners cast, as they did before.
             !matches!(segment.event, Event::EdgeEdge { source, .. } if source.index() >= prepared.edges.len())
         }));
+    }
+
+    #[test]
+    fn a_bright_side_of_a_sheet_or_a_part_of_it_casts_as_a_lamp_does() {
+        let whole_panel = stage_of_sheets(&[[[-0.5; 2], [0.5; 2]]]);
+        let patches = [0.01, 0.0, 1.0, 0.0, 0.0, 0.0].iter().enumerate();
+        let patches: Vec<_> = patches.map(|(face, &reflected)| whole(&whole_panel, face, reflected)).collect();
+        assert_eq!(offsets_m(&cast(&whole_panel, &patches, 0.0)), LINES_M);
+        let at = [[-2.0; 2], [2.0; 2]];
+        let prepared = stage_of_sheets(&[at]);
+        let dark = [0, 1, 3, 4, 5].map(|face| whole(&prepared, face, if face == 0 { 0.01 } else { 0.0 }));
+        let patches = [&dark[..], &gridded(2, at, 8, in_the_square)].concat();
+        assert_eq!(offsets_m(&cast(&prepared, &patches, 0.0)), LINES_M);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use glam::DVec3;
 use smallvec::{SmallVec, smallvec};
 
 use super::Emitter;
-use crate::geometry::polygon;
+use crate::geometry::{Plane, polygon};
 use crate::id::{EdgeId, EmitterId, FaceId, Table, VertexId};
 use crate::prepare::Prepared;
 use crate::scene::Rgb;
@@ -62,15 +62,35 @@ impl SourceEdge {
         let [from, to] = self.ends_m;
         let to_eye = eye_m - from;
         let towards = self.across(eye_m).cross(to - from).normalize_or_zero();
+        let lean = |face: &Beside| face.inward.dot(towards);
         [-1.0, 1.0].map(|side| {
-            let nearest = self
-                .beside
-                .iter()
-                .filter(|face| face.normal.dot(to_eye).abs() > slack_m && face.inward.dot(across) * side > 0.0)
-                .map(|face| (face.inward.dot(towards), face.normal.dot(to_eye) > 0.0, face.radiance))
-                .reduce(|best, next| if (next.0, next.1) > (best.0, best.1) { next } else { best });
-            nearest.map_or(behind, |(_, front, radiance)| if front { radiance } else { Rgb::ZERO })
+            let on_side =
+                |face: &&Beside| face.normal.dot(to_eye).abs() > slack_m && face.inward.dot(across) * side > 0.0;
+            let seen = || self.beside.iter().filter(on_side);
+            let Some(most) = seen().map(lean).reduce(f64::max) else { return behind };
+            // The two sides of a sheet are at one place: the one that is turned to the eye is seen.
+            let mut nearest = seen().filter(|face| lean(face) >= most - STRAIGHT_SINE);
+            nearest.find(|face| face.normal.dot(to_eye) > 0.0).map_or(Rgb::ZERO, |face| face.radiance)
         })
+    }
+
+    /// The parts of a line in a plane with this edge, divided where it crosses the line of the edge. What lies within
+    /// `slack_m` of that is left out.
+    pub(super) fn parts_beside(&self, plane: &Plane, line: [DVec3; 2], slack_m: f64) -> SmallVec<[[DVec3; 2]; 2]> {
+        let [from, to] = self.ends_m;
+        let Some(across) = plane.normal.cross(to - from).try_normalize() else { return SmallVec::new() };
+        let heights_m = line.map(|end| across.dot(end - from));
+        let part = |side: f64| {
+            let over = heights_m.map(|height_m| side * height_m - slack_m);
+            let crossing = || line[0].lerp(line[1], over[0] / (over[0] - over[1]));
+            match over.map(|height_m| height_m > 0.0) {
+                [true, true] => Some(line),
+                [true, false] => Some([line[0], crossing()]),
+                [false, true] => Some([crossing(), line[1]]),
+                [false, false] => None,
+            }
+        };
+        [1.0, -1.0].into_iter().filter_map(part).collect()
     }
 }
 
@@ -113,11 +133,12 @@ impl Sources {
             along.sort_unstable();
             along.dedup();
             let Some(&emitter) = along.first() else { continue };
-            if let &[one, other] = edge.faces.as_slice() {
-                let inside = of_face[one] == of_face[other] && prepared.faces[one].plane == prepared.faces[other].plane;
-                if inside && prepared.faces[one].facing == prepared.faces[other].facing {
-                    continue;
-                }
+            // Faces of one emitter look the same way: two at an edge lie on both sides of it.
+            let goes_on =
+                |emitter: &EmitterId| edge.faces.iter().filter(|&&face| of_face[face] == Some(*emitter)).count() == 2;
+            let plane = prepared.faces[edge.faces[0]].plane;
+            if edge.faces.iter().all(|&face| prepared.faces[face].plane == plane) && along.iter().all(goes_on) {
+                continue;
             }
             let ends_m = edge.ends.map(|vertex| prepared.vertices_m[vertex]);
             let beside = |&face: &FaceId| {
@@ -168,4 +189,55 @@ fn vertices(prepared: &Prepared, edges: &[SourceEdge]) -> Vec<SourceVertex> {
             edges: at.iter().map(|end| end.1).collect(),
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::emitter;
+    use super::*;
+    use crate::visibility::fixture;
+
+    /// The sources among polygons that give this light.
+    fn sources(polygons: &[(Vec<DVec3>, f64)]) -> Sources {
+        let prepared = fixture::prepared(&polygons.iter().map(|polygon| polygon.0.clone()).collect::<Vec<_>>());
+        let radiance: Table<FaceId, Rgb> = polygons.iter().map(|polygon| Rgb::splat(polygon.1)).collect();
+        Sources::new(&prepared, &radiance, &emitter::emitters(&prepared, &radiance))
+    }
+
+    fn turned(polygon: &[DVec3]) -> Vec<DVec3> {
+        polygon.iter().rev().copied().collect()
+    }
+
+    fn level(corners: &[[f64; 2]], height_m: f64) -> Vec<DVec3> {
+        corners.iter().map(|&[x, y]| fixture::f32_point(DVec3::new(x, y, height_m))).collect()
+    }
+
+    #[test]
+    fn each_side_of_a_sheet_of_light_is_seen_from_its_own_front() {
+        // The middle of this quadrilateral is rounded in another way when it is passed the other way.
+        let up = level(&[[0.1, 0.1], [0.83, 0.17], [0.71, 0.93], [0.23, 0.67]], 0.1);
+        for order in [[1.0, 3.0], [3.0, 1.0]] {
+            let both = sources(&[(up.clone(), order[0]), (turned(&up), order[1])]);
+            assert_eq!(both.edges.len(), 4);
+            for edge in &both.edges {
+                for (eye, expected) in [(DVec3::new(2.0, 1.0, 5.0), order[0]), (DVec3::new(-2.0, 1.0, -5.0), order[1])]
+                {
+                    let step = edge.step(eye, 1e-6, Rgb::ZERO).abs().max_element();
+                    assert_eq!(step, expected, "{eye} {edge:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_edge_inside_a_sheet_of_light_is_none() {
+        let [a, b, c] = <[DVec3; 3]>::try_from(level(&[[0.1, 0.2], [0.7, 0.3], [0.3, 0.9]], 0.0)).unwrap();
+        let d = fixture::f32_point(b + c - a);
+        let (one, other) = (vec![a, b, c], vec![c, b, d]);
+        let sheet = [one.clone(), other.clone(), turned(&one), turned(&other)].map(|polygon| (polygon, 1.0));
+        assert_eq!(sources(&sheet).edges.len(), 4);
+        assert_eq!(sources(&sheet[..2]).edges.len(), 4);
+        // Where only one of its sides goes on, the other side ends.
+        assert_eq!(sources(&sheet[..3]).edges.len(), 5);
+    }
 }

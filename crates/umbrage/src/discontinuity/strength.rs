@@ -163,7 +163,15 @@ impl Surroundings<'_> {
         let Some(image) = self.plane_image(receiver, edge.ends_m, plane) else { return Rgb::ZERO };
         let Some(line) = image.place_of(hider) else { return Rgb::ZERO };
         let behind = self.emitted_behind(receiver.at, line);
-        image.jump(receiver, edge.sides(plane.normal, hider[0].midpoint(hider[1]), self.coplanar_m(), behind))
+        // The hider stands on the receiver's side of the source's line, or part of it does.
+        let [from, to] = edge.ends_m;
+        let across = plane.normal.cross(to - from);
+        let is_before =
+            |part: &[DVec3; 2]| across.dot(part[0].midpoint(part[1]) - from) * across.dot(receiver.at - from) > 0.0;
+        let Some(part) = edge.parts_beside(&plane, hider, self.coplanar_m()).into_iter().find(is_before) else {
+            return Rgb::ZERO;
+        };
+        image.jump(receiver, edge.sides(plane.normal, part[0].midpoint(part[1]), self.coplanar_m(), behind))
     }
 
     /// Where the faces of a plane are seen edge-on before an emitter.

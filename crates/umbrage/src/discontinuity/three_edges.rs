@@ -87,21 +87,18 @@ impl Surroundings<'_> {
             .collect()
     }
 
-    /// Whether an edge hides one side only as seen from some point between these: the edge of a body does not where all
-    /// of them are in front of both of its faces, or behind both.
+    /// Whether an edge hides one side only as seen from some point between these. Which sides it hides changes only
+    /// where the point passes the plane of a face along the edge.
     fn may_be_silhouette(&self, edge: &OccluderEdge, corners: &[DVec3]) -> bool {
-        let faces: SmallVec<[FaceId; 4]> = edge.faces().collect();
-        let [one, other] = faces.as_slice() else { return true };
-        let sides = |face: &FaceId| {
-            let plane = self.prepared.oriented_plane(*face);
-            let heights_m = corners.iter().map(|&corner| plane.signed_distance_m(corner));
-            heights_m.fold((false, false), |(front, back), height_m| (front || height_m > 0.0, back || height_m < 0.0))
+        let has_corners_on_both_sides = |face: FaceId| {
+            let plane = self.prepared.oriented_plane(face);
+            let heights_m = || corners.iter().map(|&corner| plane.signed_distance_m(corner));
+            heights_m().any(|height_m| height_m > 0.0) && heights_m().any(|height_m| height_m < 0.0)
         };
-        // Orientation may be mixed, so which sides are hidden is asked, for one of the points.
-        let (one, other) = (sides(one), sides(other));
-        if one == (true, true) || other == (true, true) {
+        if edge.faces().any(has_corners_on_both_sides) {
             return true;
         }
+        // All points see the same, so which sides are hidden is asked for one of them.
         let seen_from = corners.iter().copied().sum::<DVec3>() / corners.len() as f64;
         let normal = (edge.ends_m[0] - seen_from).cross(edge.ends_m[1] - seen_from);
         let Some(normal) = normal.try_normalize() else { return true };
@@ -214,19 +211,25 @@ impl Surroundings<'_> {
         parts(interval, ends, |t| self.receiver_of(&faces, &ruled.ray(t)?))
     }
 
-    /// The face among these that a ray reaches past the last edge, if none is before it.
+    /// The face among these that a ray reaches past the last edge, if none is before it. Of several at one place, the
+    /// two sides of a sheet, it is the one that shows light.
     fn receiver_of(&self, faces: &[FaceId], ray: &Ray) -> Option<FaceId> {
-        let mut nearest = (f64::INFINITY, None);
+        let mut beyond: SmallVec<[(f64, FaceId); 8]> = SmallVec::new();
         for &face in faces {
             let Some(at) = self.hit(face, ray) else { continue };
             if SAME_PLACE < at && at < 1.0 - SAME_PLACE {
                 return None;
             }
-            if at > 1.0 + SAME_PLACE && at < nearest.0 {
-                nearest = (at, Some(face));
+            if at > 1.0 + SAME_PLACE {
+                beyond.push((at, face));
             }
         }
-        nearest.1.filter(|&face| self.lit(face, ray.from))
+        let nearest = beyond.iter().copied().reduce(|best, next| if next.0 < best.0 { next } else { best })?;
+        let plane = self.visibility.plane(nearest.1);
+        let at_one_place = |&&(at, face): &&(f64, FaceId)| {
+            at <= nearest.0 * (1.0 + SAME_PLACE) || self.visibility.plane(face) == plane
+        };
+        beyond.iter().filter(at_one_place).map(|found| found.1).find(|&face| self.lit(face, ray.from))
     }
 
     /// Where a ray passes through a face, in its length to the last edge.

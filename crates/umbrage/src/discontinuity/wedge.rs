@@ -64,6 +64,11 @@ impl Piece {
         let t = (s - self.s[0]) / (self.s[1] - self.s[0]);
         self.nearness[0] + t * (self.nearness[1] - self.nearness[0])
     }
+
+    /// The same where the piece has a point inside in that direction.
+    pub(super) fn nearness_in(&self, s: f64) -> Option<f64> {
+        (self.s[0] < s && s < self.s[1]).then(|| self.nearness_at(s))
+    }
 }
 
 impl Wedge {

@@ -19,9 +19,9 @@ use crate::geometry::clip;
 use crate::id::PatchId;
 
 /// How far a d-segment of degree 1 may be moved, as a share of the square root of the patch's area.
-const D1_SNAP: f64 = 0.04;
+const D1_SNAP: f64 = 0.01;
 /// The same for degree 2, where only the curvature jumps.
-const D2_SNAP: f64 = 0.08;
+const D2_SNAP: f64 = 0.02;
 
 /// Where the end of a chord meets the boundary.
 #[derive(Clone, Copy, Debug)]

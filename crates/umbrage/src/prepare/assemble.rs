@@ -146,6 +146,8 @@ struct Numbering {
     vertices_m: Table<VertexId, DVec3>,
     edges: Table<EdgeId, Edge>,
     plane_of: HashMap<PlaneId, PlaneId>,
+    /// Planes of bent pieces, by the vertices of their boundaries, ascending: both sides of a piece lie in one plane.
+    plane_of_bent: HashMap<Vec<VertexId>, PlaneId>,
     skin_of: HashMap<SkinId, SkinId>,
     vertex_of: HashMap<VertexId, VertexId>,
     edge_of: HashMap<[VertexId; 2], EdgeId>,
@@ -161,7 +163,11 @@ impl Numbering {
             let corners: Vec<DVec3> = draft.corners.iter().map(|&i| points[draft.boundary[i]]).collect();
             if let Some(own) = Plane::of_polygon(&corners) {
                 let oriented = if draft.facing == Facing::Along { own } else { own.flipped() };
-                return self.planes.push_and_get_key(PlaneFrame::new(oriented, draft.centroid));
+                let mut vertices = draft.boundary.clone();
+                vertices.sort_unstable();
+                let planes = &mut self.planes;
+                let new = || planes.push_and_get_key(PlaneFrame::new(oriented, draft.centroid));
+                return *self.plane_of_bent.entry(vertices).or_insert_with(new);
             }
         }
         *self.plane_of.entry(draft.plane).or_insert_with(|| self.planes.push_and_get_key(known))

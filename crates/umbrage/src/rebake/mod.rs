@@ -88,8 +88,8 @@ pub enum NotReusable {
     /// It was done with other settings.
     #[error("it was baked with other options")]
     Settings,
-    /// It is one of other surfaces.
-    #[error("surfaces moved, came or went since")]
+    /// It is one of other surfaces, or light reached other regions than now, so that other sides were hidden.
+    #[error("surfaces moved, came or went since, or light reaches sides that were hidden")]
     Surfaces,
     /// What is kept of it contradicts itself.
     #[error("it contradicts itself")]

@@ -17,6 +17,9 @@ const WALL_M: [f64; 2] = [1.5, 1.2];
 const PLATE_M: [f64; 2] = [0.04, 0.01];
 /// So much wall around the plate is looked at closely.
 const AROUND_M: f64 = 0.1;
+/// What is shown around a plate that is glued on goes on beneath it for less than this: a thousandth of the wall's length and a
+/// little for rounding.
+const RIM_M: f64 = 3.01e-3;
 /// What shows more than this share of the mean where it should be dark leaks.
 const LEAK_OF_MEAN: f64 = 1e-3;
 
@@ -58,8 +61,11 @@ fn keeps_the_walls_light(gap_m: f64) -> f64 {
 
     // How far a point lies outside of the plate's outline, or inside, less than 0.
     let outside_m = |place: &Place| place.point.abs().max_element() - half_m;
-    let (lit, behind): (Vec<_>, Vec<_>) =
+    let (lit, mut behind): (Vec<_>, Vec<_>) =
         places([half_m + AROUND_M; 2], 84).into_iter().partition(|p| outside_m(p) > 0.0);
+    if gap_m == 0.0 {
+        behind.retain(|place| outside_m(place) < -RIM_M);
+    }
     // What is glued over may be left out of the mesh.
     let shown_behind = |place: Place| shown(wall, place).map_or(0.0, DVec3::max_element);
     // Light gets under a plate that floats by about its gap, and is interpolated over the triangles there.

@@ -6,7 +6,6 @@ use glam::{DQuat, DVec2, DVec3, Vec2Swizzles as _};
 use umbrage::bake::{Traced, trace};
 use umbrage::discontinuity::{DSegment, Degree, Event, Features};
 use umbrage::id::{EdgeId, VertexId};
-use umbrage::prepare::PrepareSettings;
 use umbrage::progress::Progress;
 use umbrage::visibility::Visibility;
 
@@ -33,7 +32,7 @@ struct Found {
 
 impl Found {
     fn of(stage: &Stage) -> Self {
-        Self { traced: trace(&stage.scene, PrepareSettings::default(), 0.0, Progress::silent()).unwrap() }
+        Self { traced: trace(&stage.scene, crate::all_sides(), 0.0, Progress::silent()).unwrap() }
     }
 
     fn world(&self, segment: &DSegment) -> [DVec3; 2] {

@@ -17,3 +17,10 @@ mod light;
 mod proof;
 mod random;
 mod secondary;
+mod two_sided;
+mod two_sided_scenes;
+
+/// All sides become faces: d-segments are proved on what is hidden, too.
+fn all_sides() -> umbrage::prepare::PrepareSettings {
+    umbrage::prepare::PrepareSettings { keep_hidden: true, ..umbrage::prepare::PrepareSettings::default() }
+}

@@ -7,19 +7,21 @@ use glam::DVec3;
 use umbrage::bake::{Traced, trace};
 use umbrage::discontinuity::{DSegment, Degree, Event, Features};
 use umbrage::id::EdgeId;
-use umbrage::prepare::PrepareSettings;
 use umbrage::progress::Progress;
 use umbrage::visibility::Visibility;
 
 use super::alone;
 use super::breaks::{self, Break};
 use super::random::{self, Random, Stage};
+use super::two_sided_scenes;
 
 /// Scenes of every run, and lines on each of their two receivers.
 const SCENES: u64 = 30;
 const LINES: usize = 2;
 /// Pieces of buildings of every run.
 const BUILDINGS: u64 = 10;
+/// Two-sided scenes of every run.
+const TWO_SIDED: u64 = 20;
 /// Between where a break is found and where the d-segment is, in metres: rounding of vertices, magnified.
 const PLACE_M: f64 = 3e-5;
 /// Jumps are compared by what they do over this distance, in metres: slope and curvature then have one unit.
@@ -148,15 +150,29 @@ fn apart(eye: DVec3, lines: [[DVec3; 2]; 3]) -> f64 {
     a.cross(b).dot(c)
 }
 
-/// The floor, or the wall, in the coordinates of `random::scene`.
-fn random_line(random: &mut Random, on_wall: bool) -> Line {
-    let point = |x: f64, y: f64| if on_wall { DVec3::new(x, 2.0, 0.5 * y + 1.0) } else { DVec3::new(x, y, 0.0) };
+/// A receiver, in the coordinates of `random::scene`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    Floor,
+    Wall,
+    UnderFloor,
+}
+
+/// A line on a receiver of a stage that stands at `origin`.
+fn random_line(random: &mut Random, side: Side, origin: DVec3) -> Line {
+    let point = |x: f64, y: f64| {
+        origin + if side == Side::Wall { DVec3::new(x, 2.0, 0.5 * y + 1.0) } else { DVec3::new(x, y, 0.0) }
+    };
     loop {
         let mut end = || point(random.between(-1.99, 1.99), random.between(-1.99, 1.99));
         let (from, to) = (end(), end());
         let length = from.distance(to);
         if length > 0.5 {
-            let normal = if on_wall { -DVec3::Y } else { DVec3::Z };
+            let normal = match side {
+                Side::Floor => DVec3::Z,
+                Side::Wall => -DVec3::Y,
+                Side::UnderFloor => -DVec3::Z,
+            };
             return Line { from, direction: (to - from) / length, length, normal };
         }
     }
@@ -341,19 +357,19 @@ fn number(name: &str, default: u64) -> u64 {
     std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
 }
 
-/// Looks at random scenes of a kind.
-fn examined(scenes: u64, kind: impl Fn(&mut Random) -> Stage) -> Tally {
+/// Looks at these receivers of random scenes of a kind.
+fn examined(scenes: u64, sides: &[Side], kind: impl Fn(&mut Random) -> Stage) -> Tally {
     let first = number("UMBRAGE_PROOF_FIRST", 0);
     let mut tally = Tally::default();
     for seed in first..first + number("UMBRAGE_PROOF_SCENES", scenes) {
         let mut random = Random(seed.wrapping_mul(0x5851_F42D_4C95_7F2D));
         let stage = kind(&mut random);
-        let traced = trace(&stage.scene, PrepareSettings::default(), 0.0, Progress::silent()).unwrap();
+        let traced = trace(&stage.scene, crate::all_sides(), 0.0, Progress::silent()).unwrap();
         let mut of_scene = Tally::default();
-        for on_wall in [false, true] {
+        for &side in sides {
             for number in 0..LINES {
-                let line = random_line(&mut random, on_wall);
-                of_scene.examine(&stage, &traced, &line, &format!("scene {seed} line {number} on wall {on_wall}"));
+                let line = random_line(&mut random, side, stage.origin);
+                of_scene.examine(&stage, &traced, &line, &format!("scene {seed} line {number} on {side:?}"));
             }
         }
         tally.add(of_scene);
@@ -376,14 +392,21 @@ fn holds(tally: &Tally) {
 
 #[test]
 fn every_break_has_its_d_segment_and_every_d_segment_its_break() {
-    let tally = examined(SCENES, random::scene);
+    let tally = examined(SCENES, &[Side::Floor, Side::Wall], random::scene);
     holds(&tally);
     assert!(tally.of_three > 0, "no line crosses an event of three edges");
 }
 
 #[test]
 fn in_buildings_too_every_break_has_its_d_segment() {
-    let tally = examined(BUILDINGS, random::building);
+    let tally = examined(BUILDINGS, &[Side::Floor, Side::Wall], random::building);
     holds(&tally);
     assert!(tally.in_plane > 0 && tally.of_three > 0);
+}
+
+#[test]
+fn of_two_sided_sheets_shells_and_lights_too() {
+    let tally = examined(TWO_SIDED, &[Side::Floor, Side::Wall, Side::UnderFloor], two_sided_scenes::stage);
+    holds(&tally);
+    assert!(tally.of_three > 0);
 }

@@ -16,6 +16,10 @@ const STEP_M: f64 = 1.0 / 524_288.0;
 pub struct Stage {
     pub scene: Scene,
     pub world: World,
+    /// Whether what is added shows both of its sides, and gives light from both.
+    pub double_sided: bool,
+    /// Where the middle of the floor is.
+    pub origin: DVec3,
 }
 
 impl Stage {
@@ -24,11 +28,12 @@ impl Stage {
         if self.scene.nodes.is_empty() {
             self.scene.nodes.push(Node::default());
         }
-        let material = if radiance > 0.0 {
+        let of_one_side = if radiance > 0.0 {
             Material::emitting(format!("light of {radiance}"), Rgb::splat(radiance))
         } else {
             Material::diffuse("grey", Rgb::splat(0.5))
         };
+        let material = Material { double_sided: self.double_sided, ..of_one_side };
         let known = self.scene.materials.iter().position(|known| *known == material).map(MaterialId::from);
         let material = known.unwrap_or_else(|| self.scene.materials.push_and_get_key(material));
         let round = |p: &DVec3| (*p / STEP_M).round() * STEP_M;
@@ -39,11 +44,24 @@ impl Stage {
         });
         let piece = |piece: &Vec<DVec3>| Convex { corners: piece.iter().map(round).collect(), radiance };
         self.world.pieces.extend(pieces.iter().map(piece));
+        if self.double_sided && radiance > 0.0 {
+            let turned = |corners: &Vec<DVec3>| piece(&corners.iter().rev().copied().collect());
+            self.world.pieces.extend(pieces.iter().map(turned));
+        }
     }
 
     /// Adds a convex polygon.
     pub fn add(&mut self, polygon: &[DVec3], radiance: f64) {
         self.add_in_pieces(polygon, &[polygon.to_vec()], radiance);
+    }
+
+    /// Moves all that was added by a multiple of the step that coordinates are rounded to.
+    pub fn move_to(&mut self, origin: DVec3) {
+        let origin = (origin / STEP_M).round() * STEP_M;
+        let surfaces = self.scene.surfaces.iter_mut().flat_map(|surface| &mut surface.positions_m);
+        let pieces = self.world.pieces.iter_mut().flat_map(|piece| &mut piece.corners);
+        surfaces.chain(pieces).for_each(|corner| *corner += origin);
+        self.origin += origin;
     }
 
     pub fn add_all(&mut self, polygons: &[Vec<DVec3>], radiance: f64) {
@@ -121,7 +139,7 @@ impl Random {
     }
 
     /// Upside down, and leaning by at most half a radian.
-    fn downward(&mut self) -> DQuat {
+    pub fn downward(&mut self) -> DQuat {
         let lean = DQuat::from_rotation_x(self.between(-0.5, 0.5)) * DQuat::from_rotation_y(self.between(-0.5, 0.5));
         lean * DQuat::from_rotation_x(TAU / 2.0) * DQuat::from_rotation_z(self.between(0.0, TAU))
     }
@@ -130,11 +148,17 @@ impl Random {
 /// A floor and a wall on it; one or two lights above; one to three occluders between, of which some stand on the floor,
 /// some pierce it, some one another, some the planes of lights.
 pub fn scene(random: &mut Random) -> Stage {
-    let mut stage = Stage::default();
+    scene_of(random, |_| false)
+}
+
+/// Such a scene, where it is asked of everything whether it is double-sided.
+pub fn scene_of(random: &mut Random, mut double_sided: impl FnMut(&mut Random) -> bool) -> Stage {
+    let mut stage = Stage { double_sided: double_sided(random), ..Stage::default() };
     stage.add(&rectangle(2.0, 2.0), 0.0);
     let wall = moved(&rectangle(2.0, 1.0), DQuat::from_rotation_x(TAU / 4.0), DVec3::new(0.0, 2.0, 1.0));
     stage.add(&wall, 0.0);
     for _ in 0..1 + random.below(2) {
+        stage.double_sided = double_sided(random);
         let at = random.point(DVec3::new(-1.2, -1.5, 1.8), DVec3::new(1.2, 1.0, 2.8));
         let turn = random.downward();
         let radiance = random.between(1.0, 4.0);
@@ -152,6 +176,7 @@ pub fn scene(random: &mut Random) -> Stage {
         }
     }
     for _ in 0..1 + random.below(3) {
+        stage.double_sided = double_sided(random);
         let at = random.point(DVec3::new(-1.2, -1.2, 0.3), DVec3::new(1.2, 1.5, 1.6));
         let turn = random.turn();
         let half = random.point(DVec3::splat(0.08), DVec3::splat(0.45));
