@@ -8,7 +8,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use umbrage::scene::Rgb;
 
-use crate::boxes::tree;
+use crate::boxes::{around, tree};
 use crate::path::Place;
 use crate::verify::BakedTriangle;
 
@@ -27,12 +27,12 @@ const RIM_OF_EXTENT: f64 = 1.5e-3;
 /// In so many directions is looked for an end of what is shown.
 const AROUND: usize = 16;
 
-struct Boxed<'a>(&'a BakedTriangle, f64);
+struct Boxed<'a>(&'a BakedTriangle);
 
 impl Boundable for Boxed<'_> {
     fn aabb(&self) -> Aabb {
         let [p, q, r] = self.0.corners_m;
-        Aabb::new((p.min(q).min(r) - self.1).as_vec3a(), (p.max(q).max(r) + self.1).as_vec3a())
+        Aabb::new(p.min(q).min(r).as_vec3a(), p.max(q).max(r).as_vec3a())
     }
 }
 
@@ -56,7 +56,7 @@ pub(crate) struct Baked<'a> {
 impl<'a> Baked<'a> {
     pub(crate) fn new(triangles: &'a [BakedTriangle], extent_m: f64) -> Self {
         let on_plane_m = ON_PLANE_OF_EXTENT * extent_m;
-        let boxes: Vec<Boxed<'_>> = triangles.iter().map(|t| Boxed(t, on_plane_m)).collect();
+        let boxes: Vec<Boxed<'_>> = triangles.iter().map(Boxed).collect();
         let tree = if boxes.is_empty() { Bvh2::default() } else { tree(&boxes) };
         Self { triangles, tree, on_plane_m, own_m: OWN_OF_EXTENT * extent_m, rim_m: RIM_OF_EXTENT * extent_m }
     }
@@ -65,7 +65,7 @@ impl<'a> Baked<'a> {
     pub(crate) fn irradiance(&self, place: &Place) -> Option<Shown> {
         // The triangle in whose plane it is, and among these that the point lies deepest in, by its least barycentric coordinate.
         let mut best: Option<((bool, f64), usize, Rgb)> = None;
-        self.tree.point_traverse(place.position_m.as_vec3a(), |tree, index| {
+        self.tree.aabb_traverse(around(place.position_m, self.on_plane_m), |tree, index| {
             let node = &tree.nodes[index as usize];
             let range = node.first_index as usize..(node.first_index + node.prim_count) as usize;
             for &number in &tree.primitive_indices[range] {

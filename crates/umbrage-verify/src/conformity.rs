@@ -13,14 +13,14 @@ use glam::DVec3;
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 
-use crate::boxes::tree;
+use crate::boxes::{around, tree};
 use crate::verify::BakedTriangle;
 
 /// A vertex nearer to an edge than this share of the extent lies on it: 16 roundings of an `f32` coordinate.
 const ON_EDGE_OF_EXTENT: f64 = 1e-6;
 /// A vertex nearer to an end of the edge than this many of these distances is that end.
 const AT_END: f64 = 2.0;
-/// Boxes are grown by this share of the extent, for the rounding to `f32`.
+/// Edges are looked for within this share of the extent: boxes are `f32`.
 const GROWN_OF_EXTENT: f64 = 1e-5;
 /// Normals whose cosine is above are of one plane, and below its negative of the two faces of a sheet.
 const SAME_PLANE: f64 = 0.9999;
@@ -49,12 +49,12 @@ fn normal(triangle: &BakedTriangle) -> DVec3 {
     (q - p).cross(r - p).normalize_or_zero()
 }
 
-struct BoxedEdge([DVec3; 2], f64);
+struct BoxedEdge([DVec3; 2]);
 
 impl Boundable for BoxedEdge {
     fn aabb(&self) -> Aabb {
         let [p, q] = self.0;
-        Aabb::new((p.min(q) - self.1).as_vec3a(), (p.max(q) + self.1).as_vec3a())
+        Aabb::new(p.min(q).as_vec3a(), p.max(q).as_vec3a())
     }
 }
 
@@ -98,7 +98,7 @@ pub fn t_vertices(triangles: &[BakedTriangle]) -> Vec<TVertex> {
     let (extent_m, middle_m) = ((high - low).max_element(), 0.5 * (low + high));
     let on_edge_m = ON_EDGE_OF_EXTENT * extent_m;
     let edges = edges(triangles, middle_m);
-    let boxes: Vec<BoxedEdge> = edges.iter().map(|(ends, _)| BoxedEdge(*ends, GROWN_OF_EXTENT * extent_m)).collect();
+    let boxes: Vec<BoxedEdge> = edges.iter().map(|(ends, _)| BoxedEdge(*ends)).collect();
     if boxes.is_empty() {
         return Vec::new();
     }
@@ -107,7 +107,7 @@ pub fn t_vertices(triangles: &[BakedTriangle]) -> Vec<TVertex> {
     let mut found = Vec::new();
     for (vertex, fan) in &fans {
         let mut on = Vec::new();
-        tree.point_traverse(vertex.as_vec3a(), |tree, index| {
+        tree.aabb_traverse(around(*vertex, GROWN_OF_EXTENT * extent_m), |tree, index| {
             let node = &tree.nodes[index as usize];
             let range = node.first_index as usize..(node.first_index + node.prim_count) as usize;
             let numbers = tree.primitive_indices[range].iter().map(|&number| number as usize);

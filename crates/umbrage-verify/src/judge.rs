@@ -13,8 +13,8 @@ use crate::verify::{BakedTriangle, Settings, VerifyError, verify};
 
 /// A bake may err this many times what was asked.
 const ERROR_OF_ASKED: f64 = 3.0;
-/// An error counts by what it exceeds its own standard errors by, this many of them.
-const SURE: f64 = 3.0;
+/// An error counts by what it exceeds its own standard errors by, this many of them; a suspect need not be sure.
+const SURE: f64 = 2.0;
 /// The account of energy may be off by this share, without a warning.
 const ACCOUNT: f64 = 0.05;
 /// A point that is dark and is shown brighter than this share of the mean light is a leak ...
@@ -128,9 +128,9 @@ pub fn judge(judged: &Judged<'_>) -> Result<Judgement, VerifyError> {
         }
     };
     let mut report = if judged.light { check(FIRST, 1)? } else { None };
-    if report.as_ref().is_some_and(|report| !light_faults(report, judged.tolerance, FIRST[0]).is_empty()) {
+    if report.as_ref().is_some_and(|report| !light_faults(report, judged.tolerance, FIRST[0], 0.0).is_empty()) {
         report = check(SECOND, 2)?;
-        faults.extend(report.iter().flat_map(|report| light_faults(report, judged.tolerance, SECOND[0])));
+        faults.extend(report.iter().flat_map(|report| light_faults(report, judged.tolerance, SECOND[0], SURE)));
     }
     faults.sort_by_key(|fault| fault.kind);
     Ok(Judgement { faults, error: report.map(|report| report.error).unwrap_or_default() })
@@ -143,11 +143,11 @@ fn brightest(scene: &Scene) -> f64 {
 }
 
 /// What is wrong by a check.
-fn light_faults(report: &Report, tolerance: f64, points: usize) -> Vec<Fault> {
+fn light_faults(report: &Report, tolerance: f64, points: usize, sure: f64) -> Vec<Fault> {
     let mut faults = Vec::new();
     let mut add = |kind, what: String| faults.push(Fault { kind, what });
     let Estimate { value, standard_error } = report.error;
-    if value - SURE * standard_error > ERROR_OF_ASKED * tolerance {
+    if value - sure * standard_error > ERROR_OF_ASKED * tolerance {
         let percent = [100.0 * value, 100.0 * standard_error];
         let worst = report.worst.first().map(|p| format!(", worst at {}: {} for {}", p.position_m, p.baked, p.traced));
         add(FaultKind::Error, format!("{:.2} +- {:.2} %{}", percent[0], percent[1], worst.unwrap_or_default()));
