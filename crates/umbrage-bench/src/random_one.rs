@@ -96,12 +96,13 @@ pub(crate) fn run(args: &RandomOneArgs) -> anyhow::Result<()> {
                 tolerance: args.settings.tolerance,
                 surplus: baked.report.energy.error(),
                 light: random.is_distinct(),
-                warned: false,
+                warned: !baked.report.warnings.is_empty(),
             };
             if let Err(broken) = baked.mesh.validate() {
                 answer.faults.push(("broken mesh".into(), broken.to_string()));
             }
             let judgement = pool.install(|| judge(&judged))?;
+            answer.faults.extend(baked.report.warnings.iter().map(|warning| ("warning".into(), warning.to_string())));
             answer.error = judgement.error.value;
             answer.faults.extend(judgement.faults.into_iter().map(|fault| (fault.kind.to_string(), fault.what)));
         }

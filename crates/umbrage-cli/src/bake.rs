@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 use bytesize::ByteSize;
 use clap::Args;
-use umbrage::bake::{self, BakeSettings};
+use umbrage::bake::{self, BakeSettings, Report};
 use umbrage::progress::Progress;
 use umbrage::scene::Scene;
 use umbrage_formats::{Written, choose_nodes, write_baked_glb};
@@ -16,11 +16,12 @@ use crate::interrupt::{Interrupted, Kept};
 use crate::light::Fluxes;
 use crate::limits::{Limits, memory_limit, time_limit};
 use crate::method::{MethodArgs, facts, positive, share};
-use crate::output::{self, Output};
+use crate::output::Output;
+use crate::report::{Asked, Reported, ReportedWarning};
 use crate::reuse::Reuse;
 use crate::scene_file::SceneArgs;
 use crate::steps::{Step, Wishes, bake_in_steps, bake_in_steps_by};
-use crate::{interrupt, summary};
+use crate::{interrupt, report, summary};
 
 const HELP: &str = "\
 Examples:
@@ -32,11 +33,14 @@ Examples:
   umbrage bake room.glb -o early.glb --progressive
   umbrage bake room.glb -o baked.glb --reuse room.umbrage
   umbrage bake room.glb -o brighter.glb --exposure 2.5
+  umbrage bake room.glb -o baked.glb --report baked.json
   umbrage bake room.glb -o room-only.glb --skip car
   umbrage bake house.obj -o house.glb --unit mm --emit lamp=12,11,9
 
 A scene needs at least one material that gives light (glTF: emissiveFactor, in Blender: Emission; OBJ: Ke; MGF: ed). \
 Where the file has none, --emit gives it, or a TOML beside the scene (for room.glb: room.umbrage.toml):
+
+  double_sided = false        # all materials but those below that say otherwise
 
   [materials.lamp]
   emission = [12, 11, 9]      # radiance in W/(m2 sr); one number is for red, green and blue
@@ -51,11 +55,20 @@ Where the file has none, --emit gives it, or a TOML beside the scene (for room.g
   position = [0, 2.2, 0]
   intensity = 8
 
---time-limit, --memory-limit and --progressive bake in steps, the first of them at 16 times the tolerance, each finer \
-than the one before. Every step is a whole bake, the same that its tolerance alone gives, and the file names that \
-tolerance. Where a limit is reached before the tolerance asked for, the step that runs is given up and the one before \
-is written; a warning says at which tolerance it is and how much it errs, and the exit code is 0. Where a limit is \
-reached in the first step, nothing is written. Ctrl-C ends a bake at once: with --progressive the best result by then \
+--max-triangles N is never passed: with few triangles refinement goes where the error is greatest, and along the strongest \
+edges of shadows first. Of hard shadows the weakest and shortest edges stay uncut where there is no room for them, which a \
+warning says. Where the shapes alone need more triangles, the bake is refused, and the error says how many they need.
+
+Refinement ends by itself: no split makes an edge shorter than 0.00001 of the scene or 0.0001 of its face, and what is \
+narrower than that is not split.
+
+--time-limit, --memory-limit and --progressive bake in steps, the first of them at 16 times the tolerance, with limits at 0.16 at least, each finer \
+than the one before; faces and the edges of shadows are found once. What steps took says how fine the next can be. Every \
+step is a whole bake, the same that its tolerance alone gives, and the file names that tolerance. With limits a sketch comes \
+before them, without edges of shadows, whose refinement is cut short once half of a limit is used up. Where a limit is \
+reached before the tolerance asked for, the step that runs is given up and the one before is written; a warning says at \
+which tolerance it is and how much it errs, and the exit code is 0. Only where a limit is reached in the sketch, nothing is \
+written. Ctrl-C ends a bake at once: with --progressive the best result by then \
 stays, without it nothing is written.
 
 --memory-limit is of the most that the process holds, reading the scene included: of `peak memory` in the summary. A \
@@ -64,6 +77,8 @@ step is given up when all but an eighth and 8 MiB of SIZE is held; these are for
 --reuse FILE is for trying lamps and colours: the first bake writes FILE, every later one takes it up, whatever \
 changed of emission, reflectance and lamps since. FILE stays as it is until surfaces or options change; it may be \
 deleted at any time. It keeps what one tolerance finds, and so does not go with a bake in steps.
+
+--report FILE.json has all that the summary says, and each warning, for programs: docs/report.md explains its keys.
 
 Units are metres and W/m2; a surface is lit on its front, unless its material is double-sided.";
 
@@ -104,6 +119,9 @@ pub(crate) struct BakeArgs {
     /// time. Where there is no such file, or surfaces or options are others, bake as if there were none, and write it
     #[arg(long, value_name = "FILE", conflicts_with_all = ["time_limit", "memory_limit", "progressive"])]
     reuse: Option<PathBuf>,
+    /// Write what the summary says as JSON, with settings, times and warnings; replaced if it exists
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     reading: SceneArgs,
     #[command(flatten)]
@@ -123,14 +141,20 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
             reuse.display()
         );
     }
+    if let Some(report) = &args.report {
+        let materials = args.reading.materials_path(&args.scene);
+        let others = [&args.scene, &args.output, &materials].into_iter().chain(&args.reuse);
+        report::check(report, &others.map(PathBuf::as_path).collect::<Vec<_>>())?;
+    }
     let begin = Instant::now();
-    let mut scene = args.reading.read(&args.scene, args.max_reflectance)?;
+    let (mut scene, read) = args.reading.read_and_warn(&args.scene, args.max_reflectance)?;
+    let mut warnings: Vec<ReportedWarning> = read.iter().map(ReportedWarning::of_scene).collect();
     choose_nodes(&mut scene, &args.only, &args.skip)?;
     let scene = Arc::new(scene);
     let limits = Arc::new(Limits::new(begin, args.time_limit, args.memory_limit)?);
     let wishes = Wishes { early: args.progressive, limits: Arc::clone(&limits) };
     let write = |step: &Step| write(&scene, step, args.exposure, &args.output);
-    let asked = args.method.settings(scene.polygon_count());
+    let asked = args.method.settings(scene.polygon_count())?;
     let mut best = None;
     let reuse = args.reuse.clone().map(Reuse::new);
     let bake = {
@@ -160,29 +184,61 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     let written = written.map_or_else(|| write(&step), Ok)?;
     let why_coarser = limit.map(|limit| limits.why_coarser(limit, asked.shade.tolerance));
     if let (Some(why), Some(limit)) = (&why_coarser, limit) {
-        let (file, way_out) = (args.output.display(), limit.way_out());
-        output::warning(&format!("{why}: {file} has {}. {way_out} gets nearer to it", quality(&step)));
+        let text = format!("{why}: it has {}. {} gets nearer to it", quality(&step), limit.way_out());
+        warnings.push(ReportedWarning::of_limits(text).told(&args.output));
     }
     if let Some(guessed) = summary::guessed(&step.bake.report.prepare) {
-        output::warning(&format!("{}: {guessed}", args.scene.display()));
+        warnings.push(ReportedWarning::of_scene(&guessed).told(&args.scene));
     }
+    warnings.extend(warn_of(&step.bake.report, &args.output));
     let as_large = || {
         let is_coarser = asked.shade.tolerance > BakeSettings::default().shade.tolerance;
         (is_coarser && !args.method.has_tolerance())
             .then(|| "for so many polygons; --tolerance asks for less".to_owned())
     };
     let coarser = why_coarser.or_else(as_large).map(|why| format!("{}: {why}", step.settings.shade.tolerance));
-    let summary = summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, begin.elapsed(), coarser);
+    if step.bake.report.uncut > 0 {
+        let edges = summary::count(step.bake.report.uncut, "edge of hard shadows was|edges of hard shadows were");
+        let text = format!(
+            "{edges} not cut, or in part: --max-triangles leaves no room. They are the weakest and shortest; light leaks there"
+        );
+        warnings.push(ReportedWarning::of_limits(text).told(&args.output));
+    }
+    let elapsed = begin.elapsed();
+    let summary = summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, elapsed, coarser, warnings.len());
     output.say(&format!("{summary}Wrote {} ({})", args.output.display(), summary::bytes(written.bytes)))?;
+    if let Some(path) = &args.report {
+        let asked =
+            Asked { tolerance: asked.shade.tolerance, exposure: args.exposure, max_reflectance: args.max_reflectance };
+        let reported = Reported {
+            input: &args.scene,
+            output: &args.output,
+            scene: &scene,
+            report: &step.bake.report,
+            settings: &step.settings,
+            asked: &asked,
+            written: &written,
+            elapsed,
+            warnings: &warnings,
+        };
+        let bytes = report::write(path, &reported)?;
+        output.say(&format!("Wrote {} ({})", path.display(), summary::bytes(bytes)))?;
+    }
     reuse.map_or(Ok(()), |reuse| reuse.finish(output))
+}
+
+/// Prints the warnings about a result that is in `file`.
+pub(crate) fn warn_of(report: &Report, file: &Path) -> Vec<ReportedWarning> {
+    report.warnings.iter().map(|warning| ReportedWarning::of_bake(warning).told(file)).collect()
 }
 
 /// How good a step is.
 fn quality(step: &Step) -> String {
+    let short = if step.is_cut_short { " in a sketch without edges of shadows, cut short" } else { "" };
     format!(
-        "the light at tolerance {}, in error by {:.2} % of the mean light between vertices (estimate), with {}",
+        "the light at tolerance {}{short}, between vertices in error by {} (estimate), with {}",
         step.settings.shade.tolerance,
-        100.0 * step.bake.report.error,
+        summary::share_of_mean(&step.bake.report),
         summary::count(step.bake.report.triangles, "triangle")
     )
 }
@@ -237,7 +293,10 @@ pub(crate) fn bake_scene(scene: &Arc<Scene>, settings: &BakeSettings, output: Ou
 
 /// Writes a bake as GLB, and with it how it was made.
 pub(crate) fn write(scene: &Scene, step: &Step, exposure: Option<f64>, path: &Path) -> anyhow::Result<Written> {
-    let facts = facts(&step.settings, &step.bake.report, exposure);
+    let mut facts = facts(&step.settings, &step.bake.report, exposure);
+    if step.is_cut_short {
+        facts.extras.insert("cut_short".into(), true.into());
+    }
     Ok(write_baked_glb(scene, &step.bake.mesh, &facts, path)?)
 }
 

@@ -11,7 +11,7 @@ use umbrage::scene::cornell::cornell_box;
 use umbrage_formats::write_atomically;
 use umbrage_picture::{Camera, RenderSettings};
 
-use crate::bake::{bake_scene, write};
+use crate::bake::{bake_scene, warn_of, write};
 use crate::light::Fluxes;
 use crate::output::Output;
 use crate::shown::{Colors, Shown, default_camera};
@@ -43,7 +43,9 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> anyhow::Result<()> {
     write_atomically(&png, &picture)?;
 
     let umbrage = std::env::args().next().unwrap_or_else(|| "umbrage".into());
-    let summary = summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, begin.elapsed(), None);
+    let warnings = warn_of(&step.bake.report, &glb).len();
+    let fluxes = Fluxes::new(&scene);
+    let summary = summary::summary(&step.bake.report, &fluxes, &written, begin.elapsed(), None, warnings);
     let glb_name = glb.display();
     output.say(&format!(
         "{summary}\

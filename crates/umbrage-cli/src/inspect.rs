@@ -89,7 +89,7 @@ fn inspect(scene: &Scene, args: &InspectArgs, form: Form, output: Output) -> any
     let bar = Bar::new(output);
     let callback = |update| bar.update(update);
     let progress = Progress::new(&callback);
-    let settings = args.method.settings(scene.polygon_count());
+    let settings = args.method.settings(scene.polygon_count())?;
     let text = match args.stage {
         InspectedStage::DSegments => bake::trace(scene, settings.prepare, 0.0, progress).map(|traced| match form {
             Form::Json => d_segments::json(scene, &traced),

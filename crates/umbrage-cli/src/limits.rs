@@ -42,6 +42,8 @@ pub(crate) enum Limit {
 #[derive(Debug, Default)]
 pub(crate) struct Limits {
     until: Option<Instant>,
+    /// When half of the time is over.
+    half: Option<Instant>,
     memory: Option<MemoryLimit>,
 }
 
@@ -88,7 +90,8 @@ impl Limits {
     /// [`MemoryUnknown`] where memory is limited that cannot be told.
     pub(crate) fn new(begin: Instant, time: Option<Duration>, memory: Option<ByteSize>) -> Result<Self, MemoryUnknown> {
         let memory = memory.map(|limit| MemoryLimit::new(limit.as_u64())).transpose()?;
-        Ok(Self { until: time.and_then(|limit| last_moment(begin, limit)), memory })
+        let half = time.and_then(|limit| begin.checked_add(limit / 2));
+        Ok(Self { until: time.and_then(|limit| last_moment(begin, limit)), half, memory })
     }
 
     /// Whether there is any.
@@ -99,6 +102,12 @@ impl Limits {
     /// Whether time is over.
     pub(crate) fn is_time_over(&self) -> bool {
         self.until.is_some_and(|until| Instant::now() >= until)
+    }
+
+    /// Whether half of a limit is used up: what is to be there early must come to its end.
+    pub(crate) fn is_half_used(&self) -> bool {
+        self.half.is_some_and(|half| Instant::now() >= half)
+            || self.memory.as_ref().is_some_and(|memory| memory.room() < 2.0)
     }
 
     /// Whether the step that runs is to be cancelled. Called from many threads, often.

@@ -26,6 +26,14 @@ pub struct SceneArgs {
     /// Let a material reflect this share of the light, 0 to 1, red, green and blue, or one number; may be repeated
     #[arg(long, value_name = "MATERIAL=R,G,B")]
     reflectance: Vec<MaterialColour>,
+    /// Light all materials on their front only, whatever the file says; materials that the TOML names with `double_sided`
+    /// keep that
+    #[arg(long, conflicts_with = "double_sided")]
+    single_sided: bool,
+    /// Light all materials on both sides, whatever the file says; materials that the TOML names with `double_sided` keep
+    /// that
+    #[arg(long)]
+    double_sided: bool,
     /// A TOML that says such things of materials, and may have lamps [default: SCENE.umbrage.toml beside the scene, if
     /// there is one]
     #[arg(long, value_name = "FILE")]
@@ -101,11 +109,19 @@ impl SceneArgs {
     /// # Errors
     /// Where the scene or the TOML cannot be read.
     pub fn read(&self, path: &Path, max_reflectance: f64) -> anyhow::Result<Scene> {
+        self.read_and_warn(path, max_reflectance).map(|(scene, _)| scene)
+    }
+
+    /// Does the same, and hands back the warnings that it told.
+    ///
+    /// # Errors
+    /// Where the scene or the TOML cannot be read.
+    pub fn read_and_warn(&self, path: &Path, max_reflectance: f64) -> anyhow::Result<Read> {
         let (scene, warnings) = self.read_silently(path, max_reflectance).1?;
         for warning in &warnings {
             output::warning(&format!("{}: {warning}", path.display()));
         }
-        Ok(scene)
+        Ok((scene, warnings))
     }
 
     /// The same for a program that tells the warnings itself. Also tells what files it is made of, those that are not
@@ -143,6 +159,9 @@ impl SceneArgs {
             None if !file.is_file() => Overrides::default(),
             _ => Overrides::read(file)?,
         };
+        if self.single_sided || self.double_sided {
+            overrides.set_double_sided(self.double_sided);
+        }
         for emission in &self.emit {
             overrides.emit(emission.clone());
         }

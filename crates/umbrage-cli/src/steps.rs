@@ -1,9 +1,12 @@
 //! Bakes in steps, coarse ones first: for a result early (`--progressive`), and for the best one that limits of time
 //! and memory allow (`--time-limit`, `--memory-limit`).
 //!
-//! Every step is a whole bake at a tolerance of its own, and shares nothing with the one before: what it leaves is,
-//! byte for byte, what a bake leaves that is asked for that tolerance. Tolerances are the one that is asked for times a
-//! power of two, and what a coarse step took tells which finer one can still end within the limits.
+//! Every step is a whole bake at a tolerance of its own: what it leaves is, byte for byte, what a bake leaves that is asked for
+//! that tolerance. Steps share their faces and d-segments, which are found once ([`Groundwork`]); how fine the next one can be is
+//! told by what those before took ([`Plan`]).
+//!
+//! Where there are limits, a sketch comes first, without the edges of shadows. Once half of a limit is used up its refinement
+//! is cut short, so that there is something to write early, whatever the scene.
 //!
 //! A thread bakes while this one waits, so that the end of the time and Ctrl-C are heeded at once, whatever the bake is
 //! doing. It is then left alone: the progress callback ends it, or the process does. Where memory is short, its end is
@@ -15,11 +18,13 @@
 use std::ops::ControlFlow;
 use std::panic;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError, SyncSender};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use umbrage::bake::{self, Bake, BakeError, BakeSettings};
+use umbrage::groundwork::Groundwork;
 use umbrage::progress::Progress;
 use umbrage::scene::Scene;
 use umbrage::shade::ShadeSettings;
@@ -27,14 +32,9 @@ use umbrage::shade::ShadeSettings;
 use crate::interrupt::{self, Interrupted};
 use crate::limits::{Limit, Limits};
 use crate::output::Output;
+use crate::plan::Plan;
 use crate::progress::Bar;
 
-/// The first step is asked for so many times the tolerance. A power of two, as all quotients of steps, so that they are
-/// as exact as the tolerance that was asked for.
-const FIRST_OVER_ASKED: f64 = 16.0;
-/// Where results are shown early, the next one comes with at least this share of the tolerance. Time grows by no more
-/// than the inverse of it, so that all steps but the last together take about a third of its time.
-const LEAST_OF_LAST: f64 = 0.25;
 /// How often time and interrupts are looked at.
 const PULSE: Duration = Duration::from_millis(20);
 
@@ -55,6 +55,8 @@ pub(crate) struct Step {
     pub(crate) settings: BakeSettings,
     /// Whether this is the bake that was asked for, and no coarser one.
     pub(crate) is_asked: bool,
+    /// Whether its refinement was cut short.
+    pub(crate) is_cut_short: bool,
 }
 
 /// Bakes with progress on the terminal, and hands each step to `found`, with the bar out of its way. Tells which limit
@@ -72,7 +74,7 @@ pub(crate) fn bake_in_steps(
     bake_in_steps_by(bake::bake, scene, asked, wishes, output, found)
 }
 
-/// The same, where `bake` bakes a step.
+/// The same, where `bake` bakes if there is one step alone.
 pub(crate) fn bake_in_steps_by(
     bake: impl Fn(&Scene, &BakeSettings, Progress<'_>) -> Result<Bake, BakeError> + Send + 'static,
     scene: &Arc<Scene>,
@@ -136,48 +138,79 @@ fn all_steps(
     bar: &Bar,
     sender: &SyncSender<Result<Step, BakeError>>,
 ) {
-    let asked_tolerance = asked.shade.tolerance;
     let callback = |update| {
         if wishes.limits.is_reached() {
             return ControlFlow::Break(());
         }
         bar.update(update)
     };
+    let progress = Progress::new(&callback);
+    // Where nobody waits for steps any more, nothing is sent, and the thread ends.
+    if !is_in_steps(asked, wishes) {
+        let step = |bake| Step { bake, settings: *asked, is_asked: true, is_cut_short: false };
+        let _ = sender.send(bake(scene, asked, progress).map(step));
+    } else if let Err(error) = steps_on_ground(scene, asked, wishes, progress, sender) {
+        let _ = sender.send(Err(error));
+    }
+}
+
+/// The steps that share their faces and d-segments.
+fn steps_on_ground(
+    scene: &Scene,
+    asked: &BakeSettings,
+    wishes: &Wishes,
+    progress: Progress<'_>,
+    sender: &SyncSender<Result<Step, BakeError>>,
+) -> Result<(), BakeError> {
+    let limits = &wishes.limits;
+    let mut ground = Groundwork::new(scene, asked, progress)?;
+    if limits.is_any() && !wishes.early {
+        let settings = BakeSettings { discontinuities: false, ..at(asked, first(asked, wishes)) };
+        let was_short = AtomicBool::new(false);
+        let is_short = || {
+            let is_short = limits.is_half_used();
+            was_short.fetch_or(is_short, Ordering::Relaxed);
+            is_short
+        };
+        let bake = ground.bake(scene, &settings, progress.hurried_by(&is_short))?;
+        let is_cut_short = was_short.load(Ordering::Relaxed);
+        if sender.send(Ok(Step { bake, settings, is_asked: false, is_cut_short })).is_err() {
+            return Ok(());
+        }
+    }
+    ground.find_shadows(scene, asked, progress)?;
+    let mut plan = Plan::new(asked.shade.tolerance, limits.is_any());
     let mut next = Some(first(asked, wishes));
     while let Some(tolerance) = next {
-        let settings = BakeSettings { shade: ShadeSettings { tolerance, ..asked.shade }, ..*asked };
+        let settings = at(asked, tolerance);
         let begin = Instant::now();
-        let baked = bake(scene, &settings, Progress::new(&callback));
-        let room = wishes.limits.room(begin.elapsed().as_secs_f64());
-        let is_asked = tolerance == asked_tolerance;
-        next = (baked.is_ok() && !is_asked).then(|| finer(asked_tolerance, tolerance, room, wishes.early)).flatten();
-        // Where nobody waits for steps any more, the loop ends.
-        if sender.send(baked.map(|bake| Step { bake, settings, is_asked })).is_err() {
+        let bake = ground.bake(scene, &settings, progress)?;
+        let took_s = begin.elapsed().as_secs_f64();
+        let is_asked = tolerance == asked.shade.tolerance;
+        plan.took(tolerance, took_s);
+        let is_alike = |finer: f64| ground.gathers_alike(&settings, &at(asked, finer));
+        next = plan.next(limits.room(took_s), is_alike);
+        if sender.send(Ok(Step { bake, settings, is_asked, is_cut_short: false })).is_err() {
             break;
         }
     }
+    Ok(())
+}
+
+/// The settings that were asked for, at another tolerance.
+fn at(asked: &BakeSettings, tolerance: f64) -> BakeSettings {
+    BakeSettings { shade: ShadeSettings { tolerance, ..asked.shade }, ..*asked }
+}
+
+/// Whether coarse steps come before the one that was asked for.
+fn is_in_steps(asked: &BakeSettings, wishes: &Wishes) -> bool {
+    (wishes.early || wishes.limits.is_any()) && asked.shade.tolerance.is_finite()
 }
 
 /// The tolerance of the first step.
 fn first(asked: &BakeSettings, wishes: &Wishes) -> f64 {
-    let in_steps = (wishes.early || wishes.limits.is_any()) && asked.shade.tolerance.is_finite();
-    if in_steps { FIRST_OVER_ASKED * asked.shade.tolerance } else { asked.shade.tolerance }
-}
-
-/// The tolerance of the step after one at `last`: the finest that will keep within `room` times what that one took, if
-/// time and memory grow as the inverse of the tolerance (measured: with its power of -0.4 to -1). Where none will, the
-/// next finer one is tried all the same, but not in less than the last one took.
-fn finer(asked: f64, last: f64, room: f64, early: bool) -> Option<f64> {
-    let keeps_within = |tolerance: &f64| last / tolerance <= room;
-    let is_early = |tolerance: &f64| !early || *tolerance >= LEAST_OF_LAST * last;
-    let mut next = 0.5 * last;
-    if room < 1.0 {
-        return None;
-    }
-    while next > asked && Some(0.5 * next).filter(keeps_within).filter(is_early).is_some() {
-        next *= 0.5;
-    }
-    Some(next)
+    let tolerance = asked.shade.tolerance;
+    if is_in_steps(asked, wishes) { Plan::new(tolerance, wishes.limits.is_any()).first() } else { tolerance }
 }
 
 #[cfg(test)]
@@ -185,38 +218,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_finest_step_that_can_end_is_next() {
-        // At 0.01 it takes at most 16 times what it took at tolerance 0.16.
-        let next = |room| finer(0.01, 0.16, room, false);
-        assert_eq!([16.0, 15.9, 4.0, 2.5].map(next), [0.01, 0.02, 0.04, 0.08].map(Some));
-        // It may take less than that, but hardly less than the last one.
-        assert_eq!([1.5, 0.9].map(next), [Some(0.08), None]);
-    }
-
-    #[test]
-    fn early_results_come_one_after_the_other_down_to_the_one_asked_for() {
-        let next = |last, room| finer(0.01, last, room, true);
-        assert_eq!([0.16, 0.04, 0.02].map(|last| next(last, f64::INFINITY)), [0.04, 0.01, 0.01].map(Some));
-        assert_eq!([next(0.16, 100.0), next(0.16, 3.0)], [0.04, 0.08].map(Some));
-    }
-
-    #[test]
-    fn steps_end_exactly_at_the_tolerance_asked_for() {
-        for asked in [0.01, 0.003, 1e-9, 0.7, 1.0 / 3.0] {
-            let settings = |tolerance| BakeSettings {
-                shade: ShadeSettings { tolerance, ..ShadeSettings::default() },
-                ..BakeSettings::default()
-            };
-            let early = Wishes { early: true, ..Wishes::default() };
-            let mut last = first(&settings(asked), &early);
-            assert_eq!(last, 16.0 * asked);
-            while last != asked {
-                let next = finer(asked, last, f64::INFINITY, true).unwrap();
-                assert!(next < last && next >= asked);
-                last = next;
-            }
-            assert_eq!(first(&settings(asked), &Wishes::default()), asked);
-            assert_eq!(first(&settings(f64::INFINITY), &early), f64::INFINITY, "there is no coarser one than none");
-        }
+    fn there_is_no_coarser_step_than_no_refinement() {
+        let early = Wishes { early: true, ..Wishes::default() };
+        let asked = BakeSettings::default();
+        assert_eq!(first(&asked, &early), 16.0 * asked.shade.tolerance);
+        assert_eq!(first(&asked, &Wishes::default()), asked.shade.tolerance);
+        assert_eq!(first(&at(&asked, f64::INFINITY), &early), f64::INFINITY);
     }
 }

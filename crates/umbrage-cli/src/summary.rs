@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::time::Duration;
 
-use umbrage::bake::Report;
+use umbrage::bake::{MAX_ENERGY_ERROR, MAX_ERROR_ESTIMATE, Report};
 use umbrage::prepare::PrepareReport;
 use umbrage::scene::Rgb;
 use umbrage::solve::EnergyAccount;
@@ -20,16 +20,20 @@ pub(crate) fn summary(
     written: &Written,
     elapsed: Duration,
     coarser: Option<String>,
+    warnings: usize,
 ) -> String {
     let mut text = format!("Baked in {}\n", seconds(elapsed.as_secs_f64()));
     let mut line = |name: &str, value: String| {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "  {name:<12}  {value}");
     };
-    line("light", format!("{} W (red, green, blue)", fluxes.describe()));
+    line("light", format!("{} W emitted (red, green, blue)", fluxes.describe()));
     let [d0, d1, d2] = report.d_segments.map(grouped);
     line("polygons", grouped(report.prepare.polygons));
     line("faces", grouped(report.faces));
+    if let Some(hidden) = hidden(&report.prepare) {
+        line("hidden", hidden);
+    }
     let reflected = match report.secondary {
         0 => String::new(),
         n => format!(", and {} of reflected light", grouped(n)),
@@ -56,12 +60,13 @@ pub(crate) fn summary(
     if let Some(coarser) = coarser {
         line("tolerance", coarser);
     }
-    line("error", format!("{:.2} % of the mean light, between vertices (estimate)", 100.0 * report.error));
-    line("residual", format!("{:.1e} after {}", report.residual, count(report.iterations, "iteration")));
+    line("error", error(report));
+    let iterations = count(report.iterations, "iteration");
+    line("residual", format!("{:.1e} of the light still changes after {iterations}", report.residual));
     line("energy", energy(&report.energy));
     let clipped = match written.clipped_vertices {
         0 => String::new(),
-        n => format!(", {} cut off at white", count(n, "vertex|vertices")),
+        n => format!(", which cuts off {} at white", count(n, "vertex|vertices")),
     };
     line("exposure", format!("{:.4}{clipped}", written.exposure_k));
     let stages: Vec<String> = report.seconds.iter().map(|(stage, s)| format!("{stage} {}", seconds(*s))).collect();
@@ -79,7 +84,35 @@ pub(crate) fn summary(
     if !mended.is_empty() {
         line("mended", mended.join(", "));
     }
+    if warnings > 0 {
+        line("warnings", format!("{}: see above", grouped(warnings)));
+    }
     text
+}
+
+/// The share of hidden sides, where there are any.
+fn hidden(prepare: &PrepareReport) -> Option<String> {
+    let percent = 100.0 * prepare.hidden_share;
+    (percent > 0.0).then(|| {
+        format!("{percent:.1} % of the area of all sides is hidden: no light reaches it; --keep-hidden keeps it")
+    })
+}
+
+/// The estimate of the error. It is one of interpolation; what values at vertices err, nothing here knows.
+fn error(report: &Report) -> String {
+    if report.error > MAX_ERROR_ESTIMATE {
+        return "unknown between vertices: the triangles do not resolve the light".into();
+    }
+    format!(
+        "{}, between vertices (estimate; `umbrage verify` measures it there and at vertices)",
+        share_of_mean(report)
+    )
+}
+
+/// The estimated error as a share of the mean irradiance, with the sides that the mean is over.
+pub(crate) fn share_of_mean(report: &Report) -> String {
+    let sides = if report.prepare.hidden_share > 0.0 { "the sides that are not hidden" } else { "all sides" };
+    format!("{:.2} % of the mean irradiance of {sides}", 100.0 * report.error)
 }
 
 /// Where the light goes, as shares of what is emitted.
@@ -93,12 +126,25 @@ fn energy(account: &EnergyAccount) -> String {
         none if none < 0.005 => String::new(),
         some => format!(", {some:.2} % falls on the backs of surfaces"),
     };
-    format!(
-        "{:.2} % is absorbed, {:.2} % leaves the scene{on_backs}; in error {:+.2} %",
+    let fates = format!(
+        "{:.2} % is absorbed, {:.2} % leaves the scene{on_backs}",
         percent(account.absorbed_w),
-        percent(account.leaving_w),
-        100.0 * account.error()
-    )
+        percent(account.leaving_w)
+    );
+    let error = 100.0 * account.error();
+    if error.abs() <= 100.0 * MAX_ENERGY_ERROR {
+        return format!("{fates}: {}", balance(error));
+    }
+    format!("cannot be true: of what is emitted {fates}; {}", balance(error))
+}
+
+/// How far an account is from 100 %, in words.
+fn balance(error_percent: f64) -> String {
+    match format!("{:.2}", error_percent.abs()) {
+        zero if zero == "0.00" => "it balances".into(),
+        lost if error_percent < 0.0 => format!("{lost} % is missing"),
+        made => format!("{made} % is too much"),
+    }
 }
 
 /// What `prepare` had to guess.
@@ -203,6 +249,30 @@ mod tests {
             [-0.0, 0.5, 123_456.0, 1.234_56, -0.000_123_45].map(rounded),
             ["0", "0.5", "123456", "1.235", "-0.0001234"]
         );
+    }
+
+    #[test]
+    fn what_cannot_be_true_is_no_fact() {
+        let account = |absorbed: f64, leaving: f64| EnergyAccount {
+            emitted_w: Rgb::ONE,
+            absorbed_w: Rgb::splat(absorbed),
+            leaving_w: Rgb::splat(leaving),
+            ..EnergyAccount::default()
+        };
+        assert_eq!(energy(&account(0.75, 0.25)), "75.00 % is absorbed, 25.00 % leaves the scene: it balances");
+        assert_eq!(energy(&account(0.74, 0.25)), "74.00 % is absorbed, 25.00 % leaves the scene: 1.00 % is missing");
+        let false_one = energy(&account(6.0, 0.0));
+        assert!(false_one.starts_with("cannot be true") && false_one.ends_with("500.00 % is too much"), "{false_one}");
+        let mut report = Report { error: 0.0042, ..Report::default() };
+        assert!(error(&report).starts_with("0.42 % of the mean irradiance of all sides, between vertices"));
+        assert_eq!(hidden(&report.prepare), None);
+        report.prepare.hidden_share = 0.25;
+        assert!(error(&report).contains("of the sides that are not hidden, between"), "{}", error(&report));
+        assert!(
+            hidden(&report.prepare).is_some_and(|text| text.starts_with("25.0 % of the area of all sides is hidden"))
+        );
+        report.error = 329_749.27;
+        assert!(error(&report).starts_with("unknown"), "{}", error(&report));
     }
 
     #[test]

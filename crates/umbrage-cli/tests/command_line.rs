@@ -256,6 +256,43 @@ fn materials_and_units_are_said_beside_the_file() {
 }
 
 #[test]
+fn sides_are_said_for_the_whole_scene() {
+    let folder = folder("sides");
+    let path = |name: &str| folder.join(name).display().to_string();
+    let scene = path("room.obj");
+    let obj = "v 0 0 0\nv 4 0 0\nv 4 0 4\nv 0 0 4\nv 0 3 0\nv 4 3 0\nv 4 3 4\nv 0 3 4\n\
+        usemtl floor\nf 4 3 2 1\nusemtl lamp\nf 5 6 7 8\n";
+    fs::write(&scene, obj).unwrap();
+    fs::write(path("room.umbrage.toml"), "[materials.lamp]\nemission = 1\ndouble_sided = false\n").unwrap();
+    let sides = |more: &[&str]| {
+        let told = umbrage(&[&["info", &scene], more].concat());
+        assert_eq!(code(&told), Some(0), "{}", err(&told));
+        let of = |name: &str| out(&told).lines().any(|line| line.contains(name) && line.contains("double-sided"));
+        [of("\"floor\":"), of("\"lamp\":")]
+    };
+    assert_eq!(sides(&[]), [false, false]);
+    assert_eq!(sides(&["--double-sided"]), [true, false], "the TOML says otherwise of the lamp");
+    let whole = "double_sided = true\n[materials.lamp]\nemission = 1\n";
+    fs::write(path("room.umbrage.toml"), whole).unwrap();
+    assert_eq!((sides(&[]), sides(&["--single-sided"])), ([true; 2], [false; 2]));
+    // Whatever reads a scene knows them, and none takes both.
+    for command in ["bake", "info", "verify", "inspect", "render", "form-factor"] {
+        let help = out(&umbrage(&[command, "--help"]));
+        assert!(help.contains("--single-sided") && help.contains("--double-sided"), "{command}");
+    }
+    assert_eq!(code(&umbrage(&["info", &scene, "--single-sided", "--double-sided"])), Some(2));
+    // A floor that is lit from below as well has twice the triangles.
+    let triangles = |option: &str| {
+        let baked = path("baked.glb");
+        let done = umbrage(&["bake", &scene, "-o", &baked, "--tolerance", "none", option]);
+        assert_eq!(code(&done), Some(0), "{}", err(&done));
+        let line = out(&done).lines().find(|line| line.contains("triangles")).unwrap().to_owned();
+        line.split_whitespace().nth(1).unwrap().replace(',', "").parse::<usize>().unwrap()
+    };
+    assert!(triangles("--double-sided") > triangles("--single-sided"));
+}
+
+#[test]
 fn stages_are_told_and_drawn() {
     let folder = folder("inspect");
     let scene = "../../testdata/scenes/occluder.glb";

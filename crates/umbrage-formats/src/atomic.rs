@@ -1,11 +1,13 @@
 //! Atomic writes: a reader sees the old file or the new one, never a half.
 //!
 //! The bytes go to a temporary file beside the target, which is then renamed over it. A failure or a killed process
-//! leaves the target as it was. A link is followed, and a device (`/dev/null`) is written to, never replaced.
+//! leaves the target as it was. [`check_writable`] tells before long work whether that will be possible. A link is followed, and a device (`/dev/null`) is written to, never replaced.
 
 use std::fs;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
 
 use crate::FormatError;
 
@@ -17,13 +19,39 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
     write(path, bytes).map_err(|source| FormatError::Unwritable { file: path.display().to_string(), source })
 }
 
+/// Checks that a file can be written: makes a temporary file beside it, and removes that.
+///
+/// # Errors
+/// [`FormatError::Unwritable`] as [`write_atomically`].
+pub fn check_writable(path: &Path) -> Result<(), FormatError> {
+    let checked = if is_device(path) { Ok(()) } else { temporary_beside(&real(path)).map(drop) };
+    checked.map_err(|source| FormatError::Unwritable { file: path.display().to_string(), source })
+}
+
 fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let old = fs::metadata(path).ok();
-    if old.as_ref().is_some_and(|old| !old.is_file() && !old.is_dir()) {
+    if is_device(path) {
         return fs::write(path, bytes);
     }
-    let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    let path = real.as_path();
+    let path = real(path);
+    let mut file = temporary_beside(&path)?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|e| e.error)?;
+    Ok(())
+}
+
+fn is_device(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|old| !old.is_file() && !old.is_dir())
+}
+
+/// Where a path leads, over links.
+fn real(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
+}
+
+/// An empty temporary file that can be renamed to `path`, as readable as the file that is there.
+fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
+    let old = fs::metadata(path).ok();
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -37,17 +65,14 @@ fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.tempfile_in(folder)?;
+    let file = builder.tempfile_in(folder)?;
     if let Some(old) = old {
         if old.is_dir() {
             return Err(io::Error::new(io::ErrorKind::IsADirectory, "there is a folder of this name"));
         }
         file.as_file().set_permissions(old.permissions())?;
     }
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|e| e.error)?;
-    Ok(())
+    Ok(file)
 }
 
 #[cfg(test)]
@@ -77,6 +102,20 @@ mod tests {
         let path = folder.path().join("none").join("out.glb");
         let message = write_atomically(&path, b"one").unwrap_err().to_string();
         assert!(message.contains("out.glb") && message.contains("folder exists"), "{message}");
+        let message = check_writable(&path).unwrap_err().to_string();
+        assert!(message.contains("out.glb") && message.contains("folder exists"), "{message}");
+    }
+
+    #[test]
+    fn a_check_leaves_all_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.glb");
+        check_writable(&path).unwrap();
+        assert!(names(folder.path()).is_empty());
+        write_atomically(&path, b"old").unwrap();
+        check_writable(&path).unwrap();
+        assert_eq!((fs::read(&path).unwrap(), names(folder.path()).len()), (b"old".to_vec(), 1));
+        assert!(check_writable(folder.path()).is_err(), "a folder is no file");
     }
 
     #[test]

@@ -30,7 +30,7 @@ mod text;
 mod texture_mean;
 mod warning;
 
-pub use atomic::write_atomically;
+pub use atomic::{check_writable, write_atomically};
 pub use baked_file::{BakedCamera, BakedEmission, BakedFile, BakedFilePart, BakedTexture};
 pub use choice::choose_nodes;
 pub use error::FormatError;

@@ -3,6 +3,8 @@
 //! Files from elsewhere seldom have lamps that give light. A TOML beside the scene, or options of a command, say it:
 //!
 //! ```toml
+//! double_sided = false        # all materials but those below that say otherwise
+//!
 //! [materials.lamp]
 //! emission = [12, 11, 9]      # radiance in W/(m2 sr); one number is for red, green and blue
 //! reflectance = 0.5           # share of light, 0 to 1
@@ -19,7 +21,7 @@
 //! ```
 //! A bulb with a `direction` is a spot, of `outer_degrees` from its axis (45 if it does not say), soft from `inner_degrees` (0) on.
 //! A name that the scene has not is an error, which names the most similar one: a lamp that silently stays dark would be
-//! worse. All materials of a name change; what is said later wins.
+//! worse. All materials of a name change; what is said later wins, but that of the whole scene never wins over that of one material.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -92,6 +94,8 @@ enum Change {
 /// Changes to materials, in the order in which they are made, and lamps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
+    /// Whether all materials are double-sided, but for those that `list` changes.
+    double_sided: Option<bool>,
     list: Vec<Override>,
     lamps: Vec<Lamp>,
 }
@@ -136,6 +140,8 @@ impl Overrides {
                         overrides.lamps.push(read_lamp(file, number + 1, lamp)?);
                     }
                 }
+                ("double_sided", Value::Boolean(double_sided)) => overrides.double_sided = Some(*double_sided),
+                ("double_sided", _) => return Err(bad(file, key.clone(), "is neither true nor false".into())),
                 ("materials" | "lamps", _) => {
                     return Err(bad(
                         file,
@@ -143,7 +149,7 @@ impl Overrides {
                         format!("should be [materials.NAME] or [[lamps]], not {key} = ..."),
                     ));
                 }
-                _ => return Err(bad(file, key.clone(), unknown_key(key, &["materials", "lamps"]))),
+                _ => return Err(bad(file, key.clone(), unknown_key(key, &["materials", "lamps", "double_sided"]))),
             }
         }
         Ok(overrides)
@@ -192,19 +198,25 @@ impl Overrides {
         Ok(())
     }
 
+    /// Makes all materials double-sided or single-sided, but for those that a TOML names with `double_sided`.
+    pub fn set_double_sided(&mut self, double_sided: bool) {
+        self.double_sided = Some(double_sided);
+    }
+
     fn option(&mut self, material: String, change: Change) {
         self.list.push(Override { from: OPTIONS.into(), material, change });
     }
 
     /// Adds all of `later`, which win.
     pub fn extend(&mut self, later: Self) {
+        self.double_sided = later.double_sided.or(self.double_sided);
         self.list.extend(later.list);
         self.lamps.extend(later.lamps);
     }
 
     /// Whether nothing is changed.
     pub fn is_empty(&self) -> bool {
-        self.list.is_empty() && self.lamps.is_empty()
+        self.double_sided.is_none() && self.list.is_empty() && self.lamps.is_empty()
     }
 
     /// Changes the materials of a scene and adds the lamps; reflectances are capped at `max_reflectance` like those of the file, counted.
@@ -219,6 +231,9 @@ impl Overrides {
         }
         let cap = Rgb::splat(max_reflectance.clamp(0.0, 1.0));
         let mut capped = 0;
+        if let Some(double_sided) = self.double_sided {
+            scene.materials.iter_mut().for_each(|material| material.double_sided = double_sided);
+        }
         for &Override { ref material, change, .. } in &self.list {
             for changed in scene.materials.iter_mut().filter(|m| m.name == *material) {
                 match change {
@@ -370,6 +385,26 @@ mod tests {
     }
 
     #[test]
+    fn sides_of_the_whole_scene_give_way_to_those_of_a_material() {
+        let sides = |overrides: &Overrides| {
+            let mut scene = cornell_box();
+            overrides.apply(&mut scene, 0.9).unwrap();
+            scene.materials.iter().map(|material| material.double_sided).collect::<Vec<_>>()
+        };
+        let mut overrides = parse("double_sided = true\n[materials.red]\ndouble_sided = false\n").unwrap();
+        assert_eq!(sides(&overrides), [true, false, true, true]);
+        // What is said later, by an option, wins over the file's word on the whole scene, and not over that on a material.
+        overrides.set_double_sided(false);
+        assert_eq!(sides(&overrides), [false; 4]);
+        let mut file = parse("[materials.red]\ndouble_sided = false\n").unwrap();
+        file.extend(parse("double_sided = true").unwrap());
+        assert_eq!(sides(&file), [true, false, true, true]);
+        let mut only = Overrides::default();
+        only.set_double_sided(true);
+        assert!(!only.is_empty());
+    }
+
+    #[test]
     fn suns_bulbs_and_spots_are_added_to_the_lamps_of_the_file() {
         let overrides = parse(
             "[[lamps]]\ndirection = [0, -2, 0]\nirradiance = [3, 2, 1]\n[[lamps]]\nname = \"bulb\"\nposition = [1, 2, 3]\n\
@@ -402,7 +437,8 @@ mod tests {
     fn bad_files_are_named_by_line_or_entry() {
         for (text, words) in [
             ("[materials.a]\nemission = \n", "line 2"),
-            ("[material.a]\n", "material: is not one of materials, lamps, perhaps materials is meant"),
+            ("[material.a]\n", "material: is not one of materials, lamps, double_sided, perhaps materials is meant"),
+            ("double_sided = 1\n", "double_sided: is neither true nor false"),
             ("lamps = 3\n", "[[lamps]]"),
             ("[[lamps]]\n", "lamps, number 1: should have either"),
             ("[[lamps]]\nposition = [0, 0]\nintensity = 1\n", "position is not three"),

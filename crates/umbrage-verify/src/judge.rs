@@ -118,7 +118,7 @@ pub fn judge(judged: &Judged<'_>) -> Result<Judgement, VerifyError> {
         add(FaultKind::Triangles, format!("{triangles} of {polygons} polygons"));
     }
     let check = |[points, paths]: [usize; 2], seed: u64| {
-        let settings = Settings { points, paths, seed, ..Settings::default() };
+        let settings = Settings { points, paths, seed };
         match verify(judged.scene, judged.triangles, &settings, &|_, _| ControlFlow::Continue(())) {
             Ok(report) => {
                 Ok((report.mean_irradiance > NOTHING_OF_BRIGHTEST * brightest(judged.scene)).then_some(report))

@@ -73,10 +73,10 @@ pub(crate) fn about(loaded: &Loaded) -> Vec<Fact> {
         facts.push(fact("d-segments", format!("{d0} D0, {d1} D1, {d2} D2")));
         facts.push(fact("patches", report.patches.to_string()));
         facts.push(fact("links", format!("{}, {:.1} for each leaf", report.links, report.links_a_leaf())));
-        facts.push(fact("error", format!("{:.2} % of the mean, estimated", 100.0 * report.error)));
+        facts.push(fact("error", format!("{:.2} % of the mean, between vertices, estimated", 100.0 * report.error)));
         facts.push(fact("baked in", format!("{:.1} s", loaded.took.as_secs_f64())));
     } else if let Some(error) = file.extras.get("error").and_then(serde_json::Value::as_f64) {
-        facts.push(fact("error", format!("{:.2} % of the mean, estimated", 100.0 * error)));
+        facts.push(fact("error", format!("{:.2} % of the mean, between vertices, estimated", 100.0 * error)));
     }
     facts.push(fact("exposure", format!("{} per W/(m² sr)", short(file.exposure_k))));
     facts

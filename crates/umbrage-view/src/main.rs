@@ -58,7 +58,7 @@ fn main() -> ExitCode {
 
 fn run(args: ViewArgs) -> anyhow::Result<()> {
     let ViewArgs { file, screenshot: to, size, camera, look, lines, reading, method } = args;
-    let job = Job { path: file, reading, settings: method.settings(0), tolerance_by_size: !method.has_tolerance() };
+    let job = Job { path: file, reading, settings: method.settings(0)?, tolerance_by_size: !method.has_tolerance() };
     let options = ViewOptions { job, size, camera, look, lines };
     let Some(to) = to else { return open(options) };
     let is_png = to.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));

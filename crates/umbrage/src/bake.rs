@@ -31,11 +31,15 @@ use crate::scene::{Rgb, Scene, SceneError};
 use crate::shade::{self, BakedMesh, Bouncing, IndirectLight, Irradiance, Room, ShadeMeshes, Terms};
 use crate::solve::{self, EnergyAccount, Solution, Surfaces};
 use crate::transport::{
-    self, BrightnessOracle, DirectLight, KnownSources, Linear, Links, OracleKind, SourceMemory, SourcesSeen,
+    self, BrightnessOracle, DirectLight, KnownSources, Linear, Links, OracleKind, PaperOracle, SourceMemory,
+    SourcesSeen,
 };
 use crate::visibility::{AtPoints, Memory, Notes, Visibility};
 
+use crate::bake_warning::Figures;
+pub use crate::bake_warning::{BakeWarning, MAX_ENERGY_ERROR, MAX_ERROR_ESTIMATE, MAX_RESIDUAL};
 pub use crate::settings::BakeSettings;
+use crate::settings::triangles_needed;
 
 /// What a bake did.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -66,7 +70,11 @@ pub struct Report {
     pub triangles: usize,
     /// Triangles flat as a needle that were taken out of it; what lies beside them closed the gap.
     pub flat_triangles: usize,
-    /// Estimated root mean square error of linear interpolation over the mean irradiance.
+    /// Edges of hard shadows (d-segments of degree 0) that were not cut, or in part, since more triangles were not allowed: those of
+    /// the least strength times length.
+    pub uncut: usize,
+    /// Estimated root mean square error of linear interpolation between vertices over the mean irradiance of all faces; of sides that
+    /// are hidden there are no faces. Errors of the light at the vertices are not in it.
     pub error: f64,
     /// Iterations of the solution.
     pub iterations: usize,
@@ -76,6 +84,8 @@ pub struct Report {
     pub energy: EnergyAccount,
     /// Seconds of each stage, in order.
     pub seconds: Vec<(Stage, f64)>,
+    /// Where the result is not as good as it should be.
+    pub warnings: Vec<BakeWarning>,
 }
 
 impl Report {
@@ -108,6 +118,17 @@ pub enum BakeError {
     /// Its faces could not be prepared.
     #[error(transparent)]
     Prepare(PrepareError),
+    /// The surfaces that are baked need more triangles than are allowed.
+    #[error(
+        "at most {asked} triangles are allowed, and the shapes of the surfaces alone need {needed}, before any light is shown: \
+         allow {needed} or more"
+    )]
+    TooFewTriangles {
+        /// The most that are allowed.
+        asked: usize,
+        /// The least with which the scene can be baked.
+        needed: usize,
+    },
     /// The progress callback asked to stop, in whatever stage.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -132,7 +153,17 @@ pub(crate) struct Clock {
 
 impl Clock {
     pub(crate) fn start() -> Self {
-        Self { since: Instant::now(), seconds: Vec::new(), linking_s: 0.0 }
+        Self::after(Vec::new())
+    }
+
+    /// Goes on after stages that took so many seconds.
+    pub(crate) fn after(seconds: Vec<(Stage, f64)>) -> Self {
+        Self { since: Instant::now(), seconds, linking_s: 0.0 }
+    }
+
+    /// The seconds of each stage so far.
+    pub(crate) fn into_seconds(self) -> Vec<(Stage, f64)> {
+        self.seconds
     }
 
     pub(crate) fn end_of(&mut self, stage: Stage) {
@@ -311,14 +342,19 @@ pub(crate) fn show(
         let all = discontinuities.segments.iter().chain(&secondary).copied().collect();
         ShadeMeshes { shown: with(&all), gathering: with(&secondary) }
     } else {
-        ShadeMeshes { shown: mesh.clone(), gathering: mesh.clone() }
+        let all = || Mesh::new(prepared, &discontinuities.segments, settings.mesh());
+        let shown = shade::within(scene, prepared, mesh.clone(), all, settings.shade_within(0).max_triangles);
+        ShadeMeshes { shown, gathering: mesh.clone() }
     };
-    let shaded = shade::shade(scene, prepared, &mut meshes, &direct, indirect, settings.shade, progress)?;
+    let shaded = shade::shade(scene, prepared, &mut meshes, &direct, indirect, settings.shade_within(0), progress)?;
     check(|| meshes.shown.validate().map_err(|error| error.to_string()));
     check(|| shaded.mesh.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Shade);
 
+    let figures =
+        Figures { energy: &energy, error: shaded.error, residual: solution.residual, iterations: solution.iterations };
     let report = Report {
+        warnings: BakeWarning::about(figures, settings.shade),
         prepare: prepared.report.clone(),
         faces: prepared.faces.len(),
         d_segments: discontinuities.count_by_degree(),
@@ -332,6 +368,7 @@ pub(crate) fn show(
         vertices: shaded.mesh.vertex_count(),
         triangles: shaded.mesh.triangle_count(),
         flat_triangles: shaded.flat_triangles,
+        uncut: shaded.uncut,
         error: shaded.error,
         iterations: solution.iterations,
         residual: solution.residual,
@@ -391,28 +428,47 @@ pub fn trace(
     least_share: f64,
     progress: Progress<'_>,
 ) -> Result<Traced, BakeError> {
-    prepare_and_trace(scene, prepare, Some(least_share), &mut Clock::start(), progress).map(|(traced, _)| traced)
+    let clock = &mut Clock::start();
+    let (prepared, visibility) = faces_of(scene, prepare, clock, progress)?;
+    let discontinuities = shadows_on(scene, &prepared, &visibility, Some(least_share), clock, progress)?;
+    Ok(Traced { prepared, discontinuities })
 }
 
-/// The stages up to `discontinuity`, which is left out where no `least_share` is given.
-fn prepare_and_trace(
+/// The faces of a scene, and what sees what.
+pub(crate) fn faces_of(
     scene: &Scene,
     prepare: PrepareSettings,
-    least_share: Option<f64>,
     clock: &mut Clock,
     progress: Progress<'_>,
-) -> Result<(Traced, Visibility), BakeError> {
+) -> Result<(Prepared, Visibility), BakeError> {
     scene.validate()?;
     let (prepared, visibility) = hidden::faces_in_sight(scene, prepare, progress)?;
     check(|| prepared.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Prepare);
+    Ok((prepared, visibility))
+}
 
+/// The d-segments on them; none where no `least_share` is given.
+pub(crate) fn shadows_on(
+    scene: &Scene,
+    prepared: &Prepared,
+    visibility: &Visibility,
+    least_share: Option<f64>,
+    clock: &mut Clock,
+    progress: Progress<'_>,
+) -> Result<Discontinuities, BakeError> {
     let discontinuities = match least_share {
-        Some(share) => discontinuity::find(scene, &prepared, &visibility, share, progress)?,
+        Some(share) => discontinuity::find(scene, prepared, visibility, share, progress)?,
         None => Discontinuities::default(),
     };
     clock.end_of(Stage::Discontinuity);
-    Ok((Traced { prepared, discontinuities }, visibility))
+    Ok(discontinuities)
+}
+
+/// Fails where the faces alone are more triangles than are allowed.
+pub(crate) fn check_triangles(scene: &Scene, prepared: &Prepared, settings: &BakeSettings) -> Result<(), BakeError> {
+    let (asked, needed) = (settings.shade_within(0).max_triangles, triangles_needed(scene, prepared));
+    if needed > asked { Err(BakeError::TooFewTriangles { asked, needed }) } else { Ok(()) }
 }
 
 /// A scene's hierarchy of patches, and what it came from: the stages up to `transport`.
@@ -449,9 +505,21 @@ pub(crate) fn mesh_and_link(
     clock: &mut Clock,
     progress: Progress<'_>,
 ) -> Result<Linked, BakeError> {
+    let (prepared, visibility) = faces_of(scene, settings.prepare, clock, progress)?;
+    check_triangles(scene, &prepared, settings)?;
     let least_share = settings.discontinuities.then(|| settings.weak_share());
-    let (traced, visibility) = prepare_and_trace(scene, settings.prepare, least_share, clock, progress)?;
-    let Traced { prepared, discontinuities } = traced;
+    let discontinuities = shadows_on(scene, &prepared, &visibility, least_share, clock, progress)?;
+    link(scene, settings, (Traced { prepared, discontinuities }, visibility), clock, progress)
+}
+
+/// The stage `transport` over faces and d-segments.
+pub(crate) fn link(
+    scene: &Scene,
+    settings: &BakeSettings,
+    (Traced { prepared, discontinuities }, visibility): (Traced, Visibility),
+    clock: &mut Clock,
+    progress: Progress<'_>,
+) -> Result<Linked, BakeError> {
     let mut mesh = Mesh::new(&prepared, &discontinuities.segments, settings.mesh());
     let form_factor = settings.form_factor_oracle(&prepared);
     let rays = settings.rays(&prepared);
@@ -468,7 +536,10 @@ pub(crate) fn mesh_and_link(
             Links::default()
         }
         Some(oracle) => transport::link_all(&prepared, &visibility, &mut mesh, &oracle, progress)?,
-        None => transport::link_all(&prepared, &visibility, &mut mesh, &form_factor, progress)?,
+        None if settings.d0_before_links => {
+            transport::link_all(&prepared, &visibility, &mut mesh, &form_factor, progress)?
+        }
+        None => transport::link_all(&prepared, &visibility, &mut mesh, &PaperOracle(form_factor), progress)?,
     };
     clock.linking_s = begin.elapsed().as_secs_f64();
     if settings.shade.tolerance.is_finite() {

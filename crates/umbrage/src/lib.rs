@@ -35,6 +35,10 @@ pub mod shade;
 
 mod settings;
 
+mod bake_warning;
+
 pub mod bake;
+
+pub mod groundwork;
 
 pub mod rebake;

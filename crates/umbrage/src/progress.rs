@@ -1,5 +1,7 @@
 //! Progress of a bake, told by a callback that can also cancel it.
 //!
+//! A bake that runs out of time can be hurried: then refinement ends after the round that runs, and what there is is shown.
+//!
 //! Stages call [`Progress::report`] often and cheaply; the callback decides what to show. Where it answers
 //! [`ControlFlow::Break`], the stage stops with [`Cancelled`] and the bake leaves nothing behind.
 
@@ -51,17 +53,30 @@ pub struct Cancelled;
 
 /// A progress callback, borrowed for the length of a bake.
 #[derive(Clone, Copy)]
-pub struct Progress<'a>(Option<&'a (dyn Fn(Update) -> ControlFlow<()> + Sync)>);
+pub struct Progress<'a> {
+    callback: Option<&'a (dyn Fn(Update) -> ControlFlow<()> + Sync)>,
+    hurries: Option<&'a (dyn Fn() -> bool + Sync)>,
+}
 
 impl<'a> Progress<'a> {
     /// Tells each update to `callback`, which cancels with [`ControlFlow::Break`].
     pub fn new(callback: &'a (dyn Fn(Update) -> ControlFlow<()> + Sync)) -> Self {
-        Self(Some(callback))
+        Self { callback: Some(callback), hurries: None }
     }
 
     /// Tells nobody, and is never cancelled.
     pub fn silent() -> Self {
-        Self(None)
+        Self { callback: None, hurries: None }
+    }
+
+    /// The same, where `hurries` says from when on the bake is to end with what it has.
+    pub fn hurried_by(self, hurries: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        Self { hurries: Some(hurries), ..self }
+    }
+
+    /// Whether what can be left out is to be left out: asked between rounds.
+    pub fn is_hurried(&self) -> bool {
+        self.hurries.is_some_and(|hurries| hurries())
     }
 
     /// Tells that `done` of `total` steps of `stage` are done.
@@ -69,7 +84,7 @@ impl<'a> Progress<'a> {
     /// # Errors
     /// [`Cancelled`] where the callback asks to stop.
     pub fn report(&self, stage: Stage, done: usize, total: usize) -> Result<(), Cancelled> {
-        match self.0.map(|callback| callback(Update { stage, done: done as u64, total: total as u64 })) {
+        match self.callback.map(|callback| callback(Update { stage, done: done as u64, total: total as u64 })) {
             Some(ControlFlow::Break(())) => Err(Cancelled),
             _ => Ok(()),
         }
@@ -78,7 +93,7 @@ impl<'a> Progress<'a> {
 
 impl fmt::Debug for Progress<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(if self.0.is_some() { "Progress(callback)" } else { "Progress(silent)" })
+        f.write_str(if self.callback.is_some() { "Progress(callback)" } else { "Progress(silent)" })
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::geometry::polygon;
 use crate::mesh::{MeshSettings, SplitScore};
 use crate::prepare::{PrepareSettings, Prepared};
+use crate::scene::Scene;
 use crate::shade::ShadeSettings;
 use crate::solve::SolveSettings;
 use crate::transport::{FormFactorOracle, OracleKind};
@@ -36,6 +37,8 @@ pub struct BakeSettings {
     pub min_area_m2: Option<f64>,
     /// What decides which pairs of patches are subdivided.
     pub oracle: OracleKind,
+    /// Whether a patch that holds a split-hint of degree 0 is split before it is linked, whatever the oracle says.
+    pub d0_before_links: bool,
     /// What `point_split` minimises.
     pub score: SplitScore,
     /// Whether badly shaped patches get point split-hints.
@@ -60,6 +63,7 @@ impl Default for BakeSettings {
             max_form_factor: None,
             min_area_m2: None,
             oracle: OracleKind::default(),
+            d0_before_links: true,
             score: SplitScore::default(),
             mend_bad_shapes: true,
             prepare: PrepareSettings::default(),
@@ -73,6 +77,21 @@ impl Default for BakeSettings {
 }
 
 impl BakeSettings {
+    /// The algorithm as the paper prints it: patches are split where the form factor estimate is above Fmax, along their hints or
+    /// by Eq. (1), and linked; then D0 hints are removed, and what is left is cut into triangles and shown. No mending of
+    /// shapes, no d-segments of what reflects, no refinement.
+    pub fn as_in_paper() -> Self {
+        Self {
+            oracle: OracleKind::FormFactor,
+            d0_before_links: false,
+            score: SplitScore::Eq1,
+            mend_bad_shapes: false,
+            secondary_sources: false,
+            shade: ShadeSettings { tolerance: f64::INFINITY, ..ShadeSettings::default() },
+            ..Self::default()
+        }
+    }
+
     /// d-segments weaker than this share of the mean irradiance are not looked at.
     pub(crate) fn weak_share(&self) -> f64 {
         if self.shade.tolerance.is_finite() { self.weak_of_tolerance * self.shade.tolerance } else { 0.0 }
@@ -104,7 +123,17 @@ impl BakeSettings {
     pub(crate) fn rays(&self, prepared: &Prepared) -> Option<usize> {
         let enough = (ONE_RAY_ERRS / (RAYS_OF_TOLERANCE * self.shade.tolerance)).powi(2).ceil() as usize;
         let rays = enough.max(LEAST_RAYS);
-        (self.shade.tolerance.is_finite() && prepared.faces.len() / FACES_A_RAY >= rays).then_some(rays)
+        // The paper's oracle decides about links: it is heeded, however many there are.
+        let may = self.shade.tolerance.is_finite() && self.oracle != OracleKind::FormFactor;
+        (may && prepared.faces.len() / FACES_A_RAY >= rays).then_some(rays)
+    }
+
+    /// How light is shown with `apart` triangles that are added to the baked mesh afterwards: the one place that says how
+    /// many refinement may make.
+    pub(crate) fn shade_within(&self, apart: usize) -> ShadeSettings {
+        let most = self.shade.max_triangles;
+        let max_triangles = if most == usize::MAX { most } else { most.saturating_sub(apart) };
+        ShadeSettings { max_triangles, ..self.shade }
     }
 
     pub(crate) fn mesh(&self) -> MeshSettings {
@@ -122,6 +151,39 @@ impl BakeSettings {
     }
 }
 
+/// How many triangles the faces of the surfaces that are baked need: with every boundary point anchored, and nothing refined.
+pub(crate) fn triangles_needed(scene: &Scene, prepared: &Prepared) -> usize {
+    let baked = prepared.faces.iter().filter(|face| scene.surfaces[face.surface].baked);
+    // A polygon with n boundary points is n - 2 triangles.
+    baked.map(|face| face.sides.iter().map(|side| side.len()).sum::<usize>() - 2).sum()
+}
+
 fn total_area_m2(prepared: &Prepared) -> f64 {
     prepared.faces.keys().map(|face| polygon::area_m2(&prepared.polygon_m(face))).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::visibility::fixture;
+    use glam::DVec3;
+
+    #[test]
+    fn the_papers_oracle_is_heeded_in_scenes_of_many_faces_too() {
+        let at = |i: usize| DVec3::new((i % 30) as f64, (i / 30) as f64, (i % 7) as f64);
+        let squares: Vec<_> = (0..600).map(|i| fixture::square(at(i), 0.3, true)).collect();
+        let prepared = fixture::prepared(&squares);
+        let shade = ShadeSettings { tolerance: 0.1, ..ShadeSettings::default() };
+        let rays = |oracle| BakeSettings { oracle, shade, ..BakeSettings::default() }.rays(&prepared);
+        assert!(rays(OracleKind::Brightness).is_some() && rays(OracleKind::FormFactor).is_none());
+    }
+
+    #[test]
+    fn what_is_added_afterwards_is_taken_off_what_refinement_may_make() {
+        let within = |max_triangles, apart| {
+            let shade = ShadeSettings { max_triangles, ..ShadeSettings::default() };
+            BakeSettings { shade, ..BakeSettings::default() }.shade_within(apart).max_triangles
+        };
+        assert_eq!([within(100, 0), within(100, 30), within(10, 30), within(usize::MAX, 30)], [100, 70, 0, usize::MAX]);
+    }
 }

@@ -1,6 +1,7 @@
 //! A room or a floor, and things that stand on it, lean, touch, overlap or nearly touch. +Y is up, the floor is at height 0.
 
 use std::collections::BTreeSet;
+use std::f64::consts::FRAC_PI_2;
 
 use glam::{DQuat, DVec3};
 use umbrage::scene::Material;
@@ -86,8 +87,7 @@ fn standing(numbers: &mut Numbers, traits: &mut BTreeSet<&'static str>) -> Thing
         4..7 => {
             // A sheet on edge, or lying.
             let sheet = shapes::rectangle(x, z);
-            let turn =
-                if numbers.chance(0.7) { DQuat::from_rotation_x(1.570_796_326_794_896_6) } else { DQuat::IDENTITY };
+            let turn = if numbers.chance(0.7) { DQuat::from_rotation_x(FRAC_PI_2) } else { DQuat::IDENTITY };
             (sheet.moved(turn, DVec3::ZERO), 0.8, true)
         }
         7 => {

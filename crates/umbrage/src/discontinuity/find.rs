@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::features::Surroundings;
-use super::{DSegment, Emitter, Features, contact};
+use super::{DSegment, Emitter, Event, Features, contact};
 use crate::geometry::polygon;
 use crate::id::{DSegmentId, EmitterId, FaceId, LampId, PlaneId, Table};
 use crate::prepare::Prepared;
@@ -60,6 +60,23 @@ pub fn find(
     segments.extend(contacts.into_iter().map(|segment| with_strength(&around, segment)));
     segments.par_sort_by(DSegment::by_face_and_event);
     Ok(Discontinuities { emitters: features.emitters, segments: segments.into(), wedges })
+}
+
+/// Of discontinuities that were found with a lesser share, those that [`find`] finds with `least_share`.
+pub fn at_least(
+    scene: &Scene,
+    prepared: &Prepared,
+    visibility: &Visibility,
+    found: &Discontinuities,
+    least_share: f64,
+) -> Discontinuities {
+    let features = Features::new(scene, prepared);
+    let least = least_share * mean_irradiance(prepared, &features);
+    let around = Surroundings { prepared, visibility, features: &features, wedges: &AtomicUsize::new(0) };
+    let counts = |segment: &&DSegment| matches!(segment.event, Event::Contact { .. }) || around.counts(segment, least);
+    // In order, as they were.
+    let segments: Vec<DSegment> = found.segments.iter().filter(counts).copied().collect();
+    Discontinuities { emitters: found.emitters.clone(), segments: segments.into(), wedges: found.wedges }
 }
 
 /// Which events are traced.
@@ -183,7 +200,7 @@ impl<'a> Pairs<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Degree, Event};
+    use super::super::Degree;
     use super::*;
     use crate::id::VertexId;
     use crate::scene::{Material, Rgb};
@@ -279,6 +296,27 @@ mod tests {
         let segments = on_floor(&found);
         let vertex_edge = segments.iter().filter(|s| matches!(s.event, Event::VertexEdge { .. })).count();
         assert_eq!((segments.len(), vertex_edge), (32, 16));
+    }
+
+    #[test]
+    fn what_is_left_of_all_is_what_is_found_of_the_strong_ones() {
+        let all = [floor(), square(DVec3::Z, 0.5, 0.4, true), square(DVec3::Z * 0.1, 0.2, 0.7, true)].map(|p| (p, 0));
+        let light = (square(DVec3::Z * 2.0, 0.5, 0.0, false), 1);
+        let prepared = fixture::prepared_of_materials(&[&all[..], &[light]].concat());
+        let materials = vec![Material::diffuse("grey", Rgb::splat(0.5)), Material::emitting("light", Rgb::ONE)];
+        let scene = Scene { materials: materials.into(), ..Scene::default() };
+        let visibility = Visibility::new(&prepared);
+        let found = |share| find(&scene, &prepared, &visibility, share, Progress::silent()).unwrap();
+        let (whole, counts) = (
+            found(1e-3),
+            [1e-3, 0.01, 0.1, 1.0].map(|share| {
+                let strong = found(share).segments;
+                let left = at_least(&scene, &prepared, &visibility, &found(1e-3), share).segments;
+                assert_eq!(left.iter().collect::<Vec<_>>(), strong.iter().collect::<Vec<_>>());
+                strong.len()
+            }),
+        );
+        assert!(counts[0] == whole.segments.len() && counts[3] < counts[2] && counts[2] < counts[0], "{counts:?}");
     }
 
     #[test]

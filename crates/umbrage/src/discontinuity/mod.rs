@@ -42,5 +42,5 @@ pub use contact::is_contact;
 pub use d_segment::{DSegment, Degree, Event};
 pub use emitter::Emitter;
 pub use features::Features;
-pub use find::{Discontinuities, find};
+pub use find::{Discontinuities, at_least, find};
 pub use secondary::find_secondary;

@@ -13,6 +13,7 @@
 use glam::{DVec2, DVec3};
 
 use super::patch::{BoundaryPoint, Cut, on_one_side};
+use super::split::Attempt;
 use super::{EdgeHint, Mesh};
 use crate::discontinuity::Degree;
 use crate::geometry::clip;
@@ -48,6 +49,11 @@ impl End {
             Self::Inside(before, _) => BoundaryPoint { corner: false, ..before },
         }
     }
+
+    /// How many triangles more its vertex makes.
+    fn cost(&self, mesh: &Mesh) -> usize {
+        if let Self::Inside(before, _) = self { mesh.edges.beside(before.leaf.edge) } else { 0 }
+    }
 }
 
 impl Mesh {
@@ -55,37 +61,40 @@ impl Mesh {
     pub(super) fn along_m(&self, patch: PatchId, degree: Degree) -> f64 {
         let size_m = self.patches[patch].area_m2.max(0.0).sqrt();
         match degree {
-            Degree::D0 => self.least_edge_m,
-            Degree::D1 => self.least_edge_m.max(D1_SNAP * size_m),
-            Degree::D2 => self.least_edge_m.max(D2_SNAP * size_m),
+            Degree::D0 => self.finest_of(patch),
+            Degree::D1 => self.finest_of(patch).max(D1_SNAP * size_m),
+            Degree::D2 => self.finest_of(patch).max(D2_SNAP * size_m),
         }
     }
 
-    /// Splits a leaf along the first of its edge hints that this patch is small enough for. False where there is none:
-    /// hints that run along the boundary, nearer to it than the patch may be cut, wait for its subpatches.
-    pub(super) fn edge_split(&mut self, patch: PatchId) -> bool {
-        let corners = self.polygon_2d_m(patch);
+    /// Splits a leaf along the first of its edge hints that this patch is small enough for, if that makes no more than `room`
+    /// triangles. It stays whole where there is none: hints that run along the boundary, nearer to it than the patch may be
+    /// cut, wait for its subpatches.
+    pub(super) fn edge_split(&mut self, patch: PatchId, room: usize) -> Attempt {
+        let (corners, sides) = (self.polygon_2d_m(patch), self.patches[patch].sides.len());
         let mut number = 0;
         while let Some(&hint) = self.patches[patch].edge_hints.get(number) {
             let is_d0 = hint.degree == Degree::D0;
             let waits = !is_d0 && hint.runs_along(&corners, self.along_m(patch, hint.degree));
-            let sides = self.patches[patch].sides.len();
             let chord = if waits { None } else { self.chord_of(patch, &hint) };
             match chord.filter(|chord| !on_one_side(&chord.ends[0].place(), &chord.ends[1].place(), sides)) {
+                Some(chord) if chord.ends.iter().map(|end| end.cost(self)).sum::<usize>() > room => {
+                    return Attempt::NoRoom;
+                }
                 Some(chord) => {
                     // What snapped elsewhere has not been cut yet.
                     if is_d0 || !chord.is_moved {
                         self.patches[patch].edge_hints.remove(number);
                     }
                     self.cut_along(patch, &chord, &hint);
-                    return true;
+                    return Attempt::Split;
                 }
                 // By rounding alone: the boundary is where it would cut.
                 None if is_d0 => drop(self.patches[patch].edge_hints.remove(number)),
                 None => number += 1,
             }
         }
-        false
+        Attempt::Whole
     }
 
     fn cut_along(&mut self, patch: PatchId, chord: &Chord, hint: &EdgeHint) {
@@ -112,17 +121,18 @@ impl Mesh {
         let boundary = self.boundary(patch);
         let frame = self.frame(self.patches[patch].face);
         let corners_m: Vec<DVec2> = boundary.iter().map(|p| frame.to_2d(self.vertex_m(p.vertex))).collect();
-        let ends = [t0, t1].map(|t| self.end_at(from.lerp(to, t), &boundary, &corners_m, snap_m));
+        let finest_m = self.finest_of(patch);
+        let ends = [t0, t1].map(|t| self.end_at(from.lerp(to, t), &boundary, &corners_m, [snap_m, finest_m]));
         let moved_m = |(end, t): (&End, f64)| match end {
             End::Point(point) => frame.to_2d(self.vertex_m(point.vertex)).distance(from.lerp(to, t)),
             End::Inside(..) => 0.0,
         };
-        let is_moved = ends.iter().zip([t0, t1]).map(moved_m).any(|moved_m| moved_m > self.least_edge_m);
+        let is_moved = ends.iter().zip([t0, t1]).map(moved_m).any(|moved_m| moved_m > finest_m);
         Some(Chord { ends, is_moved })
     }
 
     /// The boundary point next to `at`, or else the place inside the leaf edge that `at` lies on.
-    fn end_at(&self, at: DVec2, boundary: &[BoundaryPoint], corners_m: &[DVec2], snap_m: f64) -> End {
+    fn end_at(&self, at: DVec2, boundary: &[BoundaryPoint], corners_m: &[DVec2], [snap_m, finest_m]: [f64; 2]) -> End {
         let n = boundary.len();
         let nearest = |distance: &dyn Fn(usize) -> f64| {
             (0..n).map(|i| (distance(i), i)).min_by(|p, q| p.0.total_cmp(&q.0)).unwrap_or((f64::INFINITY, 0))
@@ -139,9 +149,9 @@ impl Mesh {
         let (_, i) = nearest(&|i| foot(i).1);
         let ends = [boundary[i].vertex, boundary[(i + 1) % n].vertex].map(|vertex| self.vertex_m(vertex));
         let point = ends[0].lerp(ends[1], foot(i).0);
-        if point.distance(ends[0]) < self.least_edge_m {
+        if point.distance(ends[0]) < finest_m {
             End::Point(boundary[i])
-        } else if point.distance(ends[1]) < self.least_edge_m {
+        } else if point.distance(ends[1]) < finest_m {
             End::Point(boundary[(i + 1) % n])
         } else {
             End::Inside(boundary[i], point)
@@ -166,7 +176,7 @@ mod tests {
             (DVec2::new(0.0, 0.3), DVec2::new(1.0, 0.3), Degree::D2),
             (DVec2::new(0.4, 0.0), DVec2::new(0.4, 1.0), Degree::D1),
         ]);
-        assert!(mesh.edge_split(first()));
+        assert_eq!(mesh.edge_split(first(), usize::MAX), Attempt::Split);
         let Some(subpatches) = mesh.patch(first()).subpatches else { panic!("not split") };
         let mut areas = subpatches.map(|part| mesh.patch(part).area_m2);
         areas.sort_by(f64::total_cmp);
@@ -180,23 +190,24 @@ mod tests {
     #[test]
     fn a_hint_that_ends_inside_is_prolonged_to_a_chord() {
         let mut mesh = square_with(&[(DVec2::new(0.2, 0.5), DVec2::new(0.6, 0.5), Degree::D1)]);
-        assert!(mesh.edge_split(first()));
+        assert_eq!(mesh.edge_split(first(), usize::MAX), Attempt::Split);
         let new: Vec<DVec3> = (4..6).map(|i| mesh.vertex_m(i.into())).collect();
         assert!(new.iter().all(|v| v.y == 0.5 && (v.x == 0.0 || v.x == 1.0)), "{new:?}");
     }
 
     #[test]
     fn a_hint_near_the_boundary_waits_until_patches_are_small_enough() {
-        // At 1 cm from the border of 1 m: less than a snap there.
-        let mut mesh = square_with(&[(DVec2::new(0.0, 0.01), DVec2::new(1.0, 0.01), Degree::D1)]);
-        assert!(!mesh.edge_split(first()) && mesh.patch(first()).edge_hints().len() == 1);
+        // Half a snap from the border.
+        let y = 0.5 * D1_SNAP;
+        let mut mesh = square_with(&[(DVec2::new(0.0, y), DVec2::new(1.0, y), Degree::D1)]);
+        assert!(mesh.edge_split(first(), usize::MAX) == Attempt::Whole && mesh.patch(first()).edge_hints().len() == 1);
         for _ in 0..200 {
-            let lies_there = |&leaf: &crate::id::PatchId| !mesh.patch(leaf).edge_hints().is_empty();
+            let lies_there = |&leaf: &PatchId| !mesh.patch(leaf).edge_hints().is_empty();
             let Some(leaf) = mesh.leaves().find(lies_there) else { break };
             assert!(mesh.split(leaf));
         }
         assert!(mesh.leaves().all(|leaf| mesh.patch(leaf).edge_hints().is_empty()), "all of it is cut");
-        let is_on_it = |v: usize| (mesh.vertex_m(v.into()).y - 0.01).abs() < 1e-6;
+        let is_on_it = |v: usize| (mesh.vertex_m(v.into()).y - y).abs() < 1e-6;
         assert!((0..mesh.vertex_count()).filter(|&v| is_on_it(v)).count() >= 4);
     }
 
@@ -204,10 +215,10 @@ mod tests {
     fn an_end_next_to_a_corner_snaps_but_not_for_degree_0() {
         let ends = (DVec2::new(0.01, 0.0), DVec2::new(1.0, 0.995));
         let mut soft = square_with(&[(ends.0, ends.1, Degree::D2)]);
-        assert!(soft.edge_split(first()));
+        assert_eq!(soft.edge_split(first(), usize::MAX), Attempt::Split);
         assert_eq!(soft.vertex_count(), 4, "both ends snap to the corners");
         let mut hard = square_with(&[(ends.0, ends.1, Degree::D0)]);
-        assert!(hard.edge_split(first()));
+        assert_eq!(hard.edge_split(first(), usize::MAX), Attempt::Split);
         assert_eq!(hard.vertex_count(), 6);
     }
 
@@ -220,7 +231,7 @@ mod tests {
             let mut mesh = sample::mesh_with(&[corners], &[(0, from.into(), to.into(), degree)]);
             prop_assume!(!mesh.patch(first()).edge_hints().is_empty());
             let (before, snap_m) = (mesh.vertex_count(), mesh.along_m(first(), degree));
-            let split = mesh.edge_split(first());
+            let split = mesh.edge_split(first(), usize::MAX) == Attempt::Split;
             prop_assert!(mesh.vertex_count() <= before + 2);
             prop_assert_eq!(split, mesh.patch(first()).subpatches.is_some());
             for leaf in mesh.leaves() {

@@ -15,6 +15,8 @@ struct EdgeNode {
     halves: Option<[EdgeId; 2]>,
     /// The edge at the root of the tree.
     root: EdgeId,
+    /// How many leaf patches lie along it whose triangles are counted ([`super::count`]).
+    beside: u32,
 }
 
 /// All edge trees of a mesh.
@@ -24,10 +26,25 @@ pub struct EdgeTrees {
 }
 
 impl EdgeTrees {
-    /// A new tree that is one leaf.
+    /// A new tree that is one leaf, along which nothing is counted yet.
     pub(super) fn push(&mut self, ends: [VertexId; 2]) -> EdgeId {
         let root = self.edges.next_key();
-        self.edges.push_and_get_key(EdgeNode { ends, halves: None, root })
+        self.edges.push_and_get_key(EdgeNode { ends, halves: None, root, beside: 0 })
+    }
+
+    /// How many leaf patches lie along an edge whose triangles are counted.
+    pub(super) fn beside(&self, edge: EdgeId) -> usize {
+        self.edges[edge].beside as usize
+    }
+
+    /// Counts so many more of them along an edge that is not split.
+    pub(super) fn add_beside(&mut self, edge: EdgeId, count: u32) {
+        self.edges[edge].beside += count;
+    }
+
+    /// Sets how many of them lie along each root, and so along all edges of its tree.
+    pub(super) fn set_beside(&mut self, of_root: &Table<EdgeId, u32>) {
+        self.edges.iter_mut().for_each(|edge| edge.beside = of_root[edge.root]);
     }
 
     /// Number of edges, split ones included.
@@ -75,9 +92,9 @@ impl EdgeTrees {
     /// Splits a leaf at `point`.
     pub(super) fn split(&mut self, leaf: EdgeId, point: VertexId) {
         assert!(self.edges[leaf].halves.is_none(), "{leaf:?} is already split");
-        let EdgeNode { ends: [first, last], root, .. } = self.edges[leaf];
+        let EdgeNode { ends: [first, last], root, beside, .. } = self.edges[leaf];
         let halves = [[first, point], [point, last]]
-            .map(|ends| self.edges.push_and_get_key(EdgeNode { ends, halves: None, root }));
+            .map(|ends| self.edges.push_and_get_key(EdgeNode { ends, halves: None, root, beside }));
         self.edges[leaf].halves = Some(halves);
     }
 

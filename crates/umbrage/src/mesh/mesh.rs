@@ -9,12 +9,19 @@ use std::collections::BTreeSet;
 use glam::{DVec2, DVec3};
 use smallvec::SmallVec;
 
+use super::count::beside_chord;
 use super::patch::{BoundaryPoint, Cut, Patch};
 use super::{EdgeHint, EdgeTrees, SplitScore};
 use crate::discontinuity::{DSegment, Degree};
 use crate::geometry::{PlaneFrame, polygon};
 use crate::id::{DSegmentId, EdgeId, FaceId, PatchId, Table, VertexId};
 use crate::prepare::{DirectedEdge, Prepared, Side};
+
+/// No split makes an edge shorter than this share of the scene's extent: a hundredth of a millimetre in a room of a metre. A
+/// picture of the whole scene has no pixels as small.
+const FINEST_OF_SCENE: f64 = 1e-5;
+/// Nor shorter than this share of the face, so that no light, however it jumps, makes more than so many triangles along a line.
+const FINEST_OF_FACE: f64 = 1e-4;
 
 /// How patches are split.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,8 +42,10 @@ impl Default for MeshSettings {
 #[derive(Clone, Debug)]
 pub struct Mesh {
     pub(super) settings: MeshSettings,
-    /// No edge becomes shorter than this, in metres.
+    /// Vertices nearer than this are one, in metres.
     pub(super) least_edge_m: f64,
+    /// No split makes an edge of a face shorter than this, in metres.
+    pub(super) finest_m: Table<FaceId, f64>,
     pub(super) vertices_m: Table<VertexId, DVec3>,
     /// Roots of the edges that are cuts of degree 0.
     jump_roots: BTreeSet<EdgeId>,
@@ -46,9 +55,13 @@ pub struct Mesh {
     split_edges: Table<VertexId, Option<EdgeId>>,
     pub(super) edges: EdgeTrees,
     pub(super) patches: Table<PatchId, Patch>,
+    /// Whether the triangles of a face are counted.
+    pub(super) is_counted: Table<FaceId, bool>,
+    /// How many triangles the leaves of counted faces will be.
+    pub(super) triangle_count: usize,
     /// The patches that `split` was asked for and were not split yet, in order.
     pub(super) asked: Vec<PatchId>,
-    frames: Table<FaceId, PlaneFrame>,
+    pub(super) frames: Table<FaceId, PlaneFrame>,
 }
 
 /// A broken promise of [`Mesh`]: always a defect of this library.
@@ -72,6 +85,14 @@ pub enum MeshError {
     ShortEdge(EdgeId),
 }
 
+/// The shortest edge that a split may make on a face, in metres.
+fn finest_m(prepared: &Prepared, face: FaceId) -> f64 {
+    let corners = prepared.polygon_m(face);
+    let size_m = corners.iter().map(|corner| corner.distance(corners[0])).fold(0.0, f64::max);
+    let tolerance = prepared.tolerance;
+    tolerance.weld_m().max(FINEST_OF_SCENE * tolerance.extent_m).max(FINEST_OF_FACE * size_m)
+}
+
 impl Mesh {
     /// A patch for each face, with the d-segments as its edge split-hints. Root patches have the numbers of their
     /// faces.
@@ -83,18 +104,22 @@ impl Mesh {
         let mut mesh = Self {
             settings,
             least_edge_m: prepared.tolerance.weld_m(),
+            finest_m: prepared.faces.keys().map(|face| finest_m(prepared, face)).collect(),
             vertices_m: prepared.vertices_m.clone(),
             jump_roots: BTreeSet::new(),
             jump_vertices: vec![false; prepared.vertices_m.len()].into(),
             split_edges: vec![None; prepared.vertices_m.len()].into(),
             edges,
             patches: Table::with_capacity(prepared.faces.len()),
+            is_counted: Table::new(),
+            triangle_count: 0,
             asked: Vec::new(),
             frames: prepared.faces.keys().map(|face| prepared.face_frame(face)).collect(),
         };
         for (id, face) in prepared.faces.iter_enumerated() {
             mesh.push_patch(id, None, face.sides.iter().cloned().collect(), prepared.normal(id));
         }
+        mesh.count_triangles_of(|_| true);
         mesh.store_hints(d_segments);
         mesh
     }
@@ -106,7 +131,7 @@ impl Mesh {
             let frame = self.frames[segment.face];
             let ends_m = segment.ends_m.map(|end| frame.to_2d(end));
             let hint = EdgeHint { d_segment, degree: segment.degree, strength: segment.strength, ends_m };
-            let clipped = hint.clipped(&self.polygon_2d_m(root), self.least_edge_m);
+            let clipped = hint.clipped(&self.polygon_2d_m(root), self.finest_of(root));
             self.patches[root].edge_hints.extend(clipped);
         }
         self.patches.iter_mut().for_each(|patch| patch.edge_hints.sort_by(EdgeHint::by_priority));
@@ -259,6 +284,19 @@ impl Mesh {
         self.patches[patch].edge_hints.first().is_some_and(|hint| hint.degree == Degree::D0)
     }
 
+    /// No split makes an edge of a patch shorter than this, in metres.
+    pub(super) fn finest_of(&self, patch: PatchId) -> f64 {
+        self.finest_m[self.patches[patch].face]
+    }
+
+    /// Whether a patch is too narrow for light over it to be seen: narrower than the shortest edge that a split may make.
+    pub fn is_finest(&self, patch: PatchId) -> bool {
+        let corners = self.polygon_m(patch);
+        let length_m = |i: usize| corners[i].distance(corners[(i + 1) % corners.len()]);
+        let longest_m = (0..corners.len()).map(length_m).fold(0.0, f64::max);
+        self.patches[patch].area_m2 < self.finest_of(patch) * longest_m
+    }
+
     /// How well shaped a patch is: see [`polygon::compactness`].
     pub fn compactness(&self, patch: PatchId) -> f64 {
         polygon::compactness(self.patches[patch].area_m2, polygon::perimeter_m(&self.polygon_m(patch)))
@@ -289,15 +327,17 @@ impl Mesh {
         let vertex = self.vertices_m.push_and_get_key(point.as_vec3().as_dvec3());
         self.split_edges.push(Some(leaf));
         self.jump_vertices.push(self.is_jump(leaf));
+        self.triangle_count += self.edges.beside(leaf);
         self.edges.split(leaf, vertex);
         vertex
     }
 
     /// Splits `patch` by the chord between two of its boundary points that do not lie on one side.
     pub(super) fn split_between(&mut self, patch: PatchId, from: &BoundaryPoint, to: &BoundaryPoint, cut: Cut) {
-        let chord = self.edges.push([from.vertex, to.vertex]);
-        let chord = DirectedEdge { edge: chord, reversed: false };
         let face = self.patches[patch].face;
+        let chord = self.edges.push([from.vertex, to.vertex]);
+        self.edges.add_beside(chord, beside_chord(self.is_counted[face]));
+        let chord = DirectedEdge { edge: chord, reversed: false };
         let normal = self.frames[face].plane.normal;
         let first = self.sides_between(patch, from, to, chord.opposite());
         let second = self.sides_between(patch, to, from, chord);
@@ -335,8 +375,8 @@ impl Mesh {
         let hints = std::mem::take(&mut self.patches[patch].edge_hints);
         for subpatch in subpatches {
             let corners = self.polygon_2d_m(subpatch);
-            let mut kept: Vec<EdgeHint> =
-                hints.iter().filter_map(|hint| hint.clipped(&corners, self.least_edge_m)).collect();
+            let finest_m = self.finest_of(subpatch);
+            let mut kept: Vec<EdgeHint> = hints.iter().filter_map(|hint| hint.clipped(&corners, finest_m)).collect();
             kept.sort_by(EdgeHint::by_priority);
             self.patches[subpatch].edge_hints = kept;
         }

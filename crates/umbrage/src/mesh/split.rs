@@ -12,8 +12,51 @@
 //! A patch without edge hints that is badly shaped first gets point hints into its long edges (the paper's announced
 //! next step, `bad_shape`). Where rounding leaves no room for any cut, the patch stays whole and `split` says so.
 
+use std::cmp::Ordering;
+use std::collections::{BTreeSet, BinaryHeap};
+
 use super::Mesh;
+use crate::discontinuity::Degree;
 use crate::id::PatchId;
+
+/// What became of a patch that was to be split.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Attempt {
+    /// It has subpatches.
+    Split,
+    /// It cannot be split: it is no wider than the weld distance.
+    Whole,
+    /// The split would make more triangles than there is room for; nothing changed.
+    NoRoom,
+}
+
+/// A leaf that may be split.
+#[derive(Debug)]
+struct Open {
+    weight: f64,
+    patch: PatchId,
+}
+
+impl Ord for Open {
+    /// The heaviest is the greatest, and the first of equals.
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.weight.total_cmp(&other.weight).then(other.patch.cmp(&self.patch))
+    }
+}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Open {}
 
 /// Boundary points of a triangle without split-hints.
 pub(super) const TRIANGLE: usize = 3;
@@ -22,17 +65,28 @@ impl Mesh {
     /// Splits a patch into two subpatches, unless it has them. False where it cannot be split: it is then no wider than
     /// the weld distance.
     pub fn split(&mut self, patch: PatchId) -> bool {
+        self.split_within(patch, usize::MAX) == Attempt::Split
+    }
+
+    /// Splits a patch into two subpatches, unless it has them, if that makes no more than `room` triangles in all (see
+    /// [`Mesh::triangle_count`]).
+    pub fn split_within(&mut self, patch: PatchId, room: usize) -> Attempt {
         if self.patches[patch].subpatches.is_some() {
-            return true;
+            return Attempt::Split;
         }
         self.asked.push(patch);
-        if self.edge_split(patch) {
-            return true;
+        let attempt = self.edge_split(patch, room);
+        if attempt != Attempt::Whole {
+            return attempt;
         }
+        let before = self.triangle_count;
         if self.settings.mend_bad_shapes {
-            self.add_point_hints(patch);
+            self.add_point_hints(patch, room);
         }
-        if self.boundary(patch).len() > TRIANGLE { self.point_split(patch) } else { self.triangle_split(patch) }
+        if self.boundary(patch).len() > TRIANGLE {
+            return if self.point_split(patch) { Attempt::Split } else { Attempt::Whole };
+        }
+        self.triangle_split(patch, room - (self.triangle_count - before))
     }
 
     /// The patches that `split` was asked for and were not split before, in order. Where nothing but `split` cut the
@@ -52,6 +106,51 @@ impl Mesh {
             }
             is_leaf
         })
+    }
+
+    /// Splits leaves along their hints of degree 0, those of the greatest strength times length first, until there is none
+    /// or the leaves would be more than `most` triangles. Tells how many d-segments are left of which a part is not cut.
+    pub fn remove_d0_hints_within(&mut self, most: usize) -> usize {
+        let mut open: BinaryHeap<Open> = self.leaves().filter_map(|leaf| self.open_at_d0(leaf)).collect();
+        let mut left = BTreeSet::new();
+        while let Some(Open { patch, .. }) = open.pop() {
+            match self.split_within(patch, most.saturating_sub(self.triangle_count)) {
+                Attempt::Split => {
+                    let parts = self.patches[patch].subpatches.into_iter().flatten();
+                    open.extend(parts.filter_map(|part| self.open_at_d0(part)));
+                }
+                Attempt::Whole => {}
+                Attempt::NoRoom => {
+                    let hints = self.patches[patch].edge_hints.iter().filter(|hint| hint.degree == Degree::D0);
+                    left.extend(hints.map(|hint| hint.d_segment));
+                }
+            }
+        }
+        left.len()
+    }
+
+    /// Splits leaves, the largest first, as long as they are no more than `most` triangles.
+    pub fn split_largest_within(&mut self, most: usize) {
+        let is_counted = |mesh: &Self, leaf: PatchId| mesh.is_counted[mesh.patches[leaf].face];
+        let open = |mesh: &Self, patch: PatchId| Open { weight: mesh.patches[patch].area_m2, patch };
+        let leaves = self.leaves().filter(|&leaf| is_counted(self, leaf));
+        let mut queue: BinaryHeap<Open> = leaves.map(|leaf| open(self, leaf)).collect();
+        while let Some(Open { patch, .. }) = queue.pop() {
+            match self.split_within(patch, most.saturating_sub(self.triangle_count)) {
+                Attempt::Split => {
+                    queue.extend(self.patches[patch].subpatches.into_iter().flatten().map(|part| open(self, part)));
+                }
+                Attempt::Whole => {}
+                // Smaller ones would cost as much.
+                Attempt::NoRoom => break,
+            }
+        }
+    }
+
+    /// A leaf with a hint of degree 0, by how much its first one matters.
+    fn open_at_d0(&self, patch: PatchId) -> Option<Open> {
+        let hint = self.patches[patch].edge_hints.first().filter(|hint| hint.degree == Degree::D0)?;
+        Some(Open { weight: hint.strength * hint.length_m(), patch })
     }
 
     /// Splits leaves until no edge hint of degree 0 is left: else shadows and light would leak (paper, section 4).

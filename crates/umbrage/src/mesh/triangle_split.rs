@@ -5,18 +5,24 @@
 
 use super::Mesh;
 use super::patch::{BoundaryPoint, Cut};
+use super::split::Attempt;
 use crate::id::PatchId;
 
 impl Mesh {
-    /// Splits a triangle without split-hints from the middle of its longest edge. False where that edge is no longer
-    /// than the weld distance allows.
-    pub(super) fn triangle_split(&mut self, patch: PatchId) -> bool {
+    /// Splits a triangle without split-hints from the middle of its longest edge, if that makes no more than `room`
+    /// triangles. It stays whole where that edge is no longer than the weld distance allows.
+    pub(super) fn triangle_split(&mut self, patch: PatchId, room: usize) -> Attempt {
         let boundary = self.boundary(patch);
         let length_m =
             |point: &BoundaryPoint| self.vertex_m(point.vertex).distance(self.vertex_m(self.edges.end(point.leaf)));
         let longest = (0..boundary.len())
             .reduce(|best, next| if length_m(&boundary[next]) > length_m(&boundary[best]) { next } else { best });
-        let Some(base) = longest.filter(|&i| length_m(&boundary[i]) >= 2.0 * self.least_edge_m) else { return false };
+        let Some(base) = longest.filter(|&i| length_m(&boundary[i]) >= 2.0 * self.finest_of(patch)) else {
+            return Attempt::Whole;
+        };
+        if self.edges.beside(boundary[base].leaf.edge) > room {
+            return Attempt::NoRoom;
+        }
         let opposite = boundary[(base + 2) % boundary.len()].vertex;
         let middle = self.split_at_middle(boundary[base].leaf.edge);
         let boundary = self.boundary(patch);
@@ -24,7 +30,7 @@ impl Mesh {
             unreachable!("the middle and the opposite corner are boundary points of {patch:?}")
         };
         self.split_between(patch, from, to, Cut::Triangle);
-        true
+        Attempt::Split
     }
 }
 
@@ -42,7 +48,7 @@ mod tests {
             vec![long[0], long[1], DVec2::new(1.0, 2.0)],
             vec![long[1], long[0], DVec2::new(2.0, -3.0)],
         ]);
-        assert!(mesh.triangle_split(first()));
+        assert_eq!(mesh.triangle_split(first(), usize::MAX), Attempt::Split);
         let hints = mesh.point_hints(PatchId::from(1));
         assert_eq!(hints.iter().map(|&v| mesh.vertex_m(v).truncate()).collect::<Vec<_>>(), [DVec2::new(2.0, 0.0)]);
         let parts = mesh.patch(first()).subpatches.unwrap();
@@ -56,7 +62,7 @@ mod tests {
             let area = crate::geometry::polygon::signed_area_2d_m2(&corners);
             prop_assume!(area > 0.01);
             let mut mesh = sample::mesh(&[corners]);
-            prop_assert!(mesh.triangle_split(first()));
+            prop_assert_eq!(mesh.triangle_split(first(), usize::MAX), Attempt::Split);
             prop_assert_eq!(mesh.vertex_count(), 4);
             prop_assert_eq!(mesh.point_hints(first()).len(), 1);
             let parts = mesh.patch(first()).subpatches.unwrap().map(|part| mesh.patch(part).area_m2);

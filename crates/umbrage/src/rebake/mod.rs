@@ -31,7 +31,8 @@ use faces::Faces;
 use lights::Lights;
 
 use crate::bake::{
-    Bake, BakeError, BakeNotes, BakeSettings, Before, Clock, Known, Linked, Lit, Meshed, mesh_and_link, show, solve,
+    Bake, BakeError, BakeNotes, BakeSettings, Before, Clock, Known, Linked, Lit, Meshed, check_triangles,
+    mesh_and_link, show, solve,
 };
 use crate::discontinuity::{self, DSegment, Discontinuities};
 use crate::hidden;
@@ -194,6 +195,7 @@ pub fn rebake(
     if kept.faces != Faces::of(&prepared) {
         return Err(NotReusable::Surfaces.into());
     }
+    check_triangles(scene, &prepared, settings)?;
     if !kept.fits(&prepared, &visibility) {
         return Err(NotReusable::Damaged.into());
     }

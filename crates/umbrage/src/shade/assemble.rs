@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 
 use super::corner_group;
 use super::field::{Field, Places, Values};
-use super::flat::{self, LitTriangle};
+use super::flat::{self, Limit, LitTriangle};
 use super::rim;
 use super::smooth;
 use super::{BakedMesh, BakedPart};
@@ -23,15 +23,17 @@ use crate::visibility::ReceiverPoint;
 /// Groups evaluated between two reports of progress.
 const GROUPS_A_REPORT: usize = 16;
 
-/// What corners show: values that are known, and the field that tells the others.
-pub(super) struct Light<'a, F> {
+/// Where the light of corners is known from.
+pub(super) struct Lighting<'a, F> {
+    /// What refinement left.
     pub(super) known: &'a Values,
-    pub(super) field: &'a F,
+    /// All light, anywhere.
+    pub(super) irradiance: &'a F,
 }
 
 /// Assembles the triangles. Each group of corners has the value that refinement left at its vertex; where a contact passes
-/// through it, or nothing is known, the irradiance is evaluated. Rims are added where no more than `max_triangles` become of it.
-/// Also returned is how many flat triangles were taken out.
+/// through it, or nothing is known, the irradiance is evaluated. Also returned is how many flat triangles were taken out; what
+/// is written are no more than `most_triangles`, if the leaves are not: rims are added where that leaves room for them.
 ///
 /// # Errors
 /// [`Cancelled`] where the progress callback asks to stop.
@@ -40,8 +42,8 @@ pub(super) fn assemble(
     prepared: &Prepared,
     mesh: &Mesh,
     places: &Places<'_>,
-    Light { known, field }: Light<'_, impl Field>,
-    max_triangles: usize,
+    Lighting { known, irradiance }: Lighting<'_, impl Field>,
+    most_triangles: usize,
     progress: Progress<'_>,
 ) -> Result<(BakedMesh, usize), Cancelled> {
     let triangles = corner_group::triangles(mesh);
@@ -63,16 +65,18 @@ pub(super) fn assemble(
                 normal: prepared.normal(group.face),
                 plane: prepared.faces[group.face].plane,
             };
-            Ok(field.at(mesh, &point, patch))
+            Ok(irradiance.at(mesh, &point, patch))
         })
         .collect::<Result<Vec<Rgb>, Cancelled>>()?;
     let mut values = smooth::smooth(prepared, mesh, &triangles, &groups, &group_of, &values);
     let lit = triangles.iter().zip(group_of);
     let mut lit: Vec<LitTriangle> =
         lit.map(|(t, values)| LitTriangle { face: t.face, vertices: t.vertices, values }).collect();
-    let flat = flat::take_out(&mut lit, &mut values, |v| mesh.vertex_m(v), prepared.tolerance.weld_m());
+    let is_written = |face: FaceId| scene.surfaces[prepared.faces[face].surface].baked;
+    let limit = Limit { most: most_triangles, is_written: &is_written };
+    let flat = flat::take_out(&mut lit, &mut values, |v| mesh.vertex_m(v), prepared.tolerance.weld_m(), &limit);
     let mut strips = rim::strips(prepared, mesh, &lit, &values);
-    if lit.len() + strips.triangles.len() <= max_triangles {
+    if lit.iter().chain(&strips.triangles).filter(|triangle| is_written(triangle.face)).count() <= most_triangles {
         lit.append(&mut strips.triangles);
     }
     let vertex_m = |v: VertexId| match v.index().checked_sub(mesh.vertex_count()) {

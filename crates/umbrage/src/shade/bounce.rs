@@ -118,7 +118,8 @@ pub fn bounce(
         solution = settled(links, &solved, &gathered, mesh, surfaces, solution, progress)?;
         let change = solution.relative_change(&sources, &looked_at);
         tracing::debug!(change, leaves = mesh.leaves().count(), "gathered");
-        if !in_middles_alone && (change < if has_split { SETTLED } else { LIKE } || known.is_some()) {
+        let is_settled = !in_middles_alone && (change < if has_split { SETTLED } else { LIKE } || known.is_some());
+        if is_settled || progress.is_hurried() {
             break;
         }
         // Which patches rays see does not depend on what these reflect.

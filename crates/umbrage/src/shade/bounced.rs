@@ -103,7 +103,7 @@ impl BouncedLight {
             if evenness.in_middles_alone || round == MOST_ROUNDS || !target.is_finite() || total <= target {
                 break;
             }
-            let mut marked = worst(uneven, total, target, usize::MAX);
+            let mut marked = worst(uneven, total, target);
             marked.retain(|&leaf| mesh.patch(leaf).area_m2 > LEAST_OF_ALL * area_m2);
             marked.sort_unstable();
             if marked.into_iter().filter(|&leaf| mesh.split(leaf)).count() == 0 {

@@ -23,6 +23,9 @@
 //! At last, at a border of the surface, where nothing lies behind the longest edge, a triangle goes that is a little higher: its corner
 //! lies on that edge for a reader who measures, and would be a T-vertex.
 //!
+//! Along an edge of more than two faces a cut makes more triangles than go: it is left out where they would be more than may
+//! be written ([`Limit`]).
+//!
 //! Holds after: edges are shared as they were; nothing moved by more than half the weld distance.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -68,12 +71,26 @@ impl LitTriangle {
     }
 }
 
-/// Takes out what is flat. Returns how many triangles that were; new values are added behind the others.
+/// How many triangles may be written, and of which faces they are.
+pub(super) struct Limit<'a> {
+    pub(super) most: usize,
+    pub(super) is_written: &'a dyn Fn(FaceId) -> bool,
+}
+
+impl Limit<'_> {
+    /// How many more triangles may be written than there are.
+    fn room(&self, triangles: &[LitTriangle]) -> usize {
+        self.most.saturating_sub(triangles.iter().filter(|triangle| (self.is_written)(triangle.face)).count())
+    }
+}
+
+/// Takes out what is flat, within a limit. Returns how many triangles that were; new values are added behind the others.
 pub(super) fn take_out(
     triangles: &mut Vec<LitTriangle>,
     values: &mut Vec<Rgb>,
     at_m: impl Fn(VertexId) -> DVec3,
     weld_m: f64,
+    limit: &Limit<'_>,
 ) -> usize {
     let mut count = 0;
     let mut stays = BTreeSet::new();
@@ -86,7 +103,7 @@ pub(super) fn take_out(
         });
         let mut flat: Vec<(usize, Shape)> = flat.collect();
         flat.sort_by(|(m, p), (n, q)| q.longest_m.total_cmp(&p.longest_m).then(m.cmp(n)));
-        let closed = Round::new(triangles, values, &flat).close(&flat, &at_m);
+        let closed = Round::new(triangles, values, &flat, limit).close(&flat, &at_m);
         if joined + closed == 0 {
             break;
         }
@@ -193,16 +210,26 @@ struct Round<'a> {
     /// The triangles along each edge between vertices of flat ones; among them some that no longer lie there.
     along: HashMap<[VertexId; 2], SmallVec<[usize; 4]>>,
     in_question: BTreeSet<VertexId>,
+    /// How many more triangles may be written.
+    room: usize,
+    is_written: &'a dyn Fn(FaceId) -> bool,
     is_gone: Vec<bool>,
     is_cut: Vec<bool>,
 }
 
 impl<'a> Round<'a> {
-    fn new(triangles: &'a mut Vec<LitTriangle>, values: &'a mut Vec<Rgb>, flat: &[(usize, Shape)]) -> Self {
+    fn new(
+        triangles: &'a mut Vec<LitTriangle>,
+        values: &'a mut Vec<Rgb>,
+        flat: &[(usize, Shape)],
+        limit: &'a Limit<'a>,
+    ) -> Self {
+        let (room, is_written) = (limit.room(triangles), limit.is_written);
         let in_question = flat.iter().flat_map(|&(number, _)| triangles[number].vertices).collect();
         let count = if flat.is_empty() { 0 } else { triangles.len() };
         let (is_gone, is_cut) = (vec![false; count], vec![false; count]);
-        let mut round = Self { triangles, values, along: HashMap::new(), in_question, is_gone, is_cut };
+        let along = HashMap::new();
+        let mut round = Self { triangles, values, along, in_question, room, is_written, is_gone, is_cut };
         (0..count).for_each(|number| round.list(number));
         round
     }
@@ -243,6 +270,13 @@ impl<'a> Round<'a> {
         if !cut.iter().all(|&n| self.may_cut(n, ends, corner, shape.height_m, at_m)) {
             return;
         }
+        // Each one that is cut is one more, each that goes one less.
+        let written = |of: &[usize]| of.iter().filter(|&&n| (self.is_written)(self.triangles[n].face)).count();
+        let (more, less) = (written(&cut), written(&gone));
+        if more > less + self.room {
+            return;
+        }
+        self.room = self.room + less - more;
         let along = at_m(ends[1]) - at_m(ends[0]);
         let share = ((at_m(corner) - at_m(ends[0])).dot(along) / along.length_squared()).clamp(0.0, 1.0);
         for n in cut {
@@ -308,6 +342,39 @@ mod tests {
     use super::*;
 
     const WELD_M: f64 = 1e-3;
+
+    /// The same without a limit.
+    fn take_out(
+        triangles: &mut Vec<LitTriangle>,
+        values: &mut Vec<Rgb>,
+        at_m: impl Fn(VertexId) -> DVec3,
+        weld_m: f64,
+    ) -> usize {
+        super::take_out(triangles, values, at_m, weld_m, &Limit { most: usize::MAX, is_written: &|_| true })
+    }
+
+    #[test]
+    fn a_cut_that_makes_more_triangles_than_may_be_written_is_left_out() {
+        // Behind the longest edge of the flat one lie two others.
+        let at =
+            [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, TINY_M, 0.0], [1.0, -1.0, 0.0], [1.0, 0.0, 1.0]].map(DVec3::from);
+        let before = triangles(&[[0, 1, 2], [1, 0, 3], [0, 1, 4]]);
+        for (most, left) in [(3, 3), (4, 4), (usize::MAX, 4)] {
+            let mut all = before.clone();
+            let limit = Limit { most, is_written: &|_| true };
+            super::take_out(&mut all, &mut values(5), |v| at[v.index()], WELD_M, &limit);
+            assert_eq!(all.len(), left);
+        }
+        let mut all = before;
+        super::take_out(
+            &mut all,
+            &mut values(5),
+            |v| at[v.index()],
+            WELD_M,
+            &Limit { most: 0, is_written: &|_| false },
+        );
+        assert_eq!(all.len(), 4, "what is not written is not counted");
+    }
     /// Far less than that.
     const TINY_M: f64 = 1e-6;
 

@@ -27,4 +27,4 @@ mod smooth;
 pub use baked_mesh::{BakedMesh, BakedMeshError, BakedPart};
 pub use bounce::{Bouncing, Room, bounce};
 pub use irradiance::{Irradiance, Terms};
-pub use shade::{IndirectLight, ShadeMeshes, ShadeSettings, Shaded, shade};
+pub use shade::{IndirectLight, ShadeMeshes, ShadeSettings, Shaded, shade, within};

@@ -15,7 +15,7 @@ use super::element::{Element, Outlined};
 use super::errors::Errors;
 use super::field::{Field, Places, Values};
 use crate::id::PatchId;
-use crate::mesh::Mesh;
+use crate::mesh::{Attempt, Mesh};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::Rgb;
 
@@ -32,6 +32,10 @@ pub(super) const OWN_TOLERANCES: f64 = 10.0;
 pub(super) const LEAST_OF_ALL: f64 = 1e-7;
 /// No refinement needs more rounds: each halves the greatest errors at least, and those at its end look at few leaves.
 const MOST_ROUNDS: usize = 100;
+
+/// A split makes no more triangles than this, but for very many faces along one edge: two points in edges between two leaves, or
+/// one in each long edge of a badly shaped leaf.
+const MOST_OF_A_SPLIT: usize = 16;
 
 /// How a field is interpolated over a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +55,7 @@ pub(super) struct RefineSettings {
     pub(super) tolerance: f64,
     /// The mean irradiance that the tolerance refers to, in W/m2.
     pub(super) mean: f64,
-    /// Leaves with more triangles in all are not made.
+    /// The leaves never are more triangles than this, in the count of [`Mesh::triangle_count`].
     pub(super) max_triangles: usize,
 }
 
@@ -82,10 +86,13 @@ pub(super) fn refine(
     let mut errors = Errors::new(settings.interpolation);
     // Boundary points that each patch had when it was looked at.
     let mut points_of: Vec<Option<usize>> = Vec::new();
+    // Whether they are too narrow to be split further.
+    let mut is_finest: Vec<bool> = Vec::new();
     // Once the mean error is small enough, rounds tell what changed alone; at the end all is told once more.
     let (mut tells_all, mut is_coarse, mut area_m2) = (true, true, 0.0);
     for round in 0..MOST_ROUNDS {
         points_of.resize(mesh.patch_count(), None);
+        is_finest.extend((is_finest.len()..mesh.patch_count()).map(|patch| mesh.is_finest(PatchId::from(patch))));
         refined.elements.resize(mesh.patch_count(), Vec::new());
         let leaves: Vec<PatchId> = mesh.leaves().filter(|&leaf| receives(mesh, leaf)).collect();
         let large_m2 = LARGE_OF_ALL * leaves.iter().map(|&leaf| mesh.patch(leaf).area_m2).sum::<f64>();
@@ -130,29 +137,36 @@ pub(super) fn refine(
         tracing::debug!(leaves = leaves.len(), triangles, points, error = refined.error, "refined");
         let target = (settings.tolerance * settings.mean).powi(2) * area_m2;
         let errs_locally = |leaf: PatchId| {
-            mesh.patch(leaf).area_m2 > LEAST_OF_ALL * area_m2
+            !is_finest[leaf.index()]
+                && mesh.patch(leaf).area_m2 > LEAST_OF_ALL * area_m2
                 && refined.elements[leaf.index()].iter().any(|element| {
                     let (of_own, least) = (OWN_TOLERANCES * settings.tolerance, settings.tolerance * settings.mean);
                     element.errs_locally(errors.of(element), &refined.values, of_own, least)
                 })
         };
         // Where triangles are few, the mean error comes first.
-        let room = settings.max_triangles.saturating_sub(triangles);
+        let room = settings.max_triangles.saturating_sub(mesh.triangle_count());
+        // What cannot be split does not drive the others.
+        let divisible: Vec<PatchId> = leaves.iter().copied().filter(|leaf| !is_finest[leaf.index()]).collect();
+        let total = errors.total(&divisible);
         is_coarse = total > target;
         let mut marked: Vec<PatchId> = if is_coarse {
-            worst(errors.of_leaves(&leaves), total, target, room)
+            worst(errors.of_leaves(&divisible), total, target)
         } else {
             let looked_at = if tells_all { &leaves } else { &changed };
-            let mut marked: Vec<PatchId> = looked_at.par_iter().copied().filter(|&leaf| errs_locally(leaf)).collect();
-            marked.truncate(room);
-            marked
+            let marked: Vec<PatchId> = looked_at.par_iter().copied().filter(|&leaf| errs_locally(leaf)).collect();
+            worst(errors.of_leaves(&marked), f64::INFINITY, 0.0)
         };
-        marked.sort_unstable();
+        // Where there is room for all, the order does not matter: that of numbers is the same however errors are rounded.
+        if room / MOST_OF_A_SPLIT >= marked.len() {
+            marked.sort_unstable();
+        }
         // What is split must be looked at: the last round does not.
-        if round + 1 == MOST_ROUNDS || room == 0 {
+        if round + 1 == MOST_ROUNDS || room == 0 || progress.is_hurried() {
             break;
         }
-        marked.retain(|&leaf| mesh.split(leaf));
+        let most = settings.max_triangles;
+        marked.retain(|&leaf| mesh.split_within(leaf, most.saturating_sub(mesh.triangle_count())) == Attempt::Split);
         for &leaf in &marked {
             errors.replace(&std::mem::take(&mut refined.elements[leaf.index()]), &[]);
         }
@@ -165,15 +179,16 @@ pub(super) fn refine(
     Ok(refined)
 }
 
-/// The leaves that make up a share of the squared error, and no more than are needed for the target.
-pub(super) fn worst(mut errors: Vec<(PatchId, f64)>, total: f64, target: f64, room: usize) -> Vec<PatchId> {
+/// The leaves that make up a share of the squared error, and no more than are needed for the target; those that err most come
+/// first.
+pub(super) fn worst(mut errors: Vec<(PatchId, f64)>, total: f64, target: f64) -> Vec<PatchId> {
     errors.par_sort_unstable_by(|(p, first), (q, second)| second.total_cmp(first).then(p.cmp(q)));
     let enough = (SHARE_A_ROUND * total).min(total - 0.5 * target);
     let least = (LEAST_SHARE_OF_LEAVES * errors.len() as f64) as usize;
     let mut marked = Vec::new();
     let mut sum = 0.0;
     for (leaf, squared) in errors {
-        if (sum >= enough && marked.len() >= least) || marked.len() >= room.max(1) || squared <= 0.0 {
+        if (sum >= enough && marked.len() >= least) || squared <= 0.0 {
             break;
         }
         sum += squared;

@@ -9,14 +9,14 @@
 //! light, and where light is even it stays coarse.
 
 use super::BakedMesh;
-use super::assemble::{Light, assemble};
+use super::assemble::{Lighting, assemble};
 use super::direct::Direct;
 use super::field::{Field, Places, Values};
 use super::interpolated::Interpolated;
 use super::irradiance::{Indirect, Irradiance, Terms};
 use super::plain::plain_faces;
 use super::refine::{Interpolation, RefineSettings, Refined, refine};
-use crate::id::PatchId;
+use crate::id::{FaceId, PatchId};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress};
@@ -30,6 +30,12 @@ const INDIRECT_SHARE: f64 = 0.3;
 /// light itself.
 const LINEAR_SHARE: f64 = 0.5;
 
+/// Where triangles are few, hard shadows take no more than this share of them before refinement tells where they err least.
+const CUTS_OF_ROOM: f64 = 0.5;
+
+/// What light is gathered on is not written: with few triangles it may be finer than what is shown, up to so many.
+const LEAST_GATHERED: usize = 4_000;
+
 /// Up to so many polygons the default tolerance is the one of a room; with more it grows in proportion, up to the greatest.
 const POLYGONS_OF_ROOM: usize = 5_000;
 const GREATEST_DEFAULT: f64 = 0.1;
@@ -39,7 +45,7 @@ const GREATEST_DEFAULT: f64 = 0.1;
 pub struct ShadeSettings {
     /// Root mean square error of linear interpolation over the mean irradiance; infinite for no refinement.
     pub tolerance: f64,
-    /// About so many triangles are made at most.
+    /// No more triangles than this are made of the surfaces that are baked.
     pub max_triangles: usize,
 }
 
@@ -69,6 +75,8 @@ pub struct Shaded {
     pub error: f64,
     /// Triangles flat as a needle that were taken out.
     pub flat_triangles: usize,
+    /// d-segments of degree 0 that were not cut, or in part, since there may be no more triangles.
+    pub uncut: usize,
 }
 
 /// Direct light exactly, plus indirect light from few points.
@@ -128,13 +136,15 @@ pub fn shade(
         scene.surfaces[face.surface].baked && !scene.materials[face.material].emits()
     };
     let places = Places::new(prepared);
-    mesh.remove_d0_hints();
+    mesh.count_triangles_of(|face| scene.surfaces[prepared.faces[face].surface].baked);
+    let most = settings.max_triangles;
+    cut_first(mesh, most);
     let mean = irradiance.mean;
     let smooth = RefineSettings {
         interpolation: Interpolation::Quadratic,
         tolerance: INDIRECT_SHARE * settings.tolerance,
         mean,
-        max_triangles: settings.max_triangles,
+        max_triangles: most.max(LEAST_GATHERED),
     };
     let tolerances = [smooth.tolerance, settings.tolerance].map(|tolerance| tolerance * mean);
     let (plain, known) = plain_faces(gathering, &places, irradiance, bounced, tolerances, progress)?;
@@ -146,15 +156,51 @@ pub fn shade(
         interpolation: Interpolation::Linear,
         tolerance: LINEAR_SHARE * settings.tolerance,
         mean,
-        max_triangles: settings.max_triangles,
+        max_triangles: most,
     };
     let Refined { mut values, shifts, error, .. } =
         refine(mesh, &places, &mut total, Values::default(), receives, whole, progress)?;
     // At borders points may lie in a patch beside the one that they are of: for these all is looked at.
     total.direct = Direct::new(direct);
     values.shift(&shifts);
+    let uncut = mesh.remove_d0_hints_within(most);
     mesh.triangulate();
-    let light = Light { known: &values, field: &total };
-    let (mesh, flat_triangles) = assemble(scene, prepared, mesh, &places, light, settings.max_triangles, progress)?;
-    Ok(Shaded { mesh, error, flat_triangles })
+    let lighting = Lighting { known: &values, irradiance: &total };
+    let (mesh, flat_triangles) = assemble(scene, prepared, mesh, &places, lighting, most, progress)?;
+    Ok(Shaded { mesh, error, flat_triangles, uncut })
+}
+
+/// The mesh that carried transport, if it is no more than `most` triangles with its hard shadows cut: as the paper shows it. Else
+/// `coarse`, the faces with all their hints, cut as far as that allows, the largest leaves first.
+pub fn within(scene: &Scene, prepared: &Prepared, mut mesh: Mesh, coarse: impl Fn() -> Mesh, most: usize) -> Mesh {
+    if most == usize::MAX {
+        return mesh;
+    }
+    let is_written = |face: FaceId| scene.surfaces[prepared.faces[face].surface].baked;
+    mesh.count_triangles_of(is_written);
+    let mut cut = mesh.clone();
+    cut.remove_d0_hints();
+    if cut.triangle_count() <= most {
+        return mesh;
+    }
+    let mut coarse = coarse();
+    coarse.count_triangles_of(is_written);
+    cut_first(&mut coarse, most);
+    coarse.split_largest_within(most);
+    coarse
+}
+
+/// Cuts along all d-segments of degree 0, if that leaves enough of the triangles that may be made; else along the most important
+/// ones: refinement cuts along others where the light asks for it most.
+fn cut_first(mesh: &mut Mesh, most: usize) {
+    if most == usize::MAX {
+        return mesh.remove_d0_hints();
+    }
+    let share = mesh.triangle_count() + (CUTS_OF_ROOM * most.saturating_sub(mesh.triangle_count()) as f64) as usize;
+    let whole = mesh.clone();
+    mesh.remove_d0_hints();
+    if mesh.triangle_count() > share {
+        *mesh = whole;
+        mesh.remove_d0_hints_within(share);
+    }
 }

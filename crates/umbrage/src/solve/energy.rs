@@ -239,6 +239,17 @@ mod tests {
     }
 
     #[test]
+    fn of_a_lamp_that_patches_cannot_resolve_black_walls_absorb_it_all() {
+        // 2 mm wide, 2 mm over a floor whose patches are some centimetres.
+        let walls = fixture::inward_box(DVec3::ZERO, DVec3::ONE);
+        let mut room: Vec<_> = walls.into_iter().map(|wall| (wall, 0)).collect();
+        room.push((square(DVec3::new(0.43, 0.61, 0.002), 0.001, false), 1));
+        let account = account(&room, &black_and_lamp());
+        assert!(account.error().abs() < 2e-3, "{account:?}");
+        assert!((account.absorbed_w.x / account.emitted_w.x - 1.0).abs() < 2e-3, "{account:?}");
+    }
+
+    #[test]
     fn of_a_lamp_without_extent_what_arrives_counts() {
         // A lamp of 1 W/sr, 2 m above the middle of a unit square: the solid angle is a closed form.
         let mut scene = fixture::scene(vec![Material::diffuse("grey", Rgb::splat(0.25))]);

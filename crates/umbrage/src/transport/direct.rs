@@ -2,7 +2,8 @@
 //!
 //! At a point, `E = M F` for each emitting face, with its exitance `M` and Lambert's factor `F` of its exact visible part; and
 //! what each lamp brings that an exact ray sees.
-//! Over a patch, a linear fit to such points. Direct light carries the shadows; so it never goes over links, whose factors
+//! Over a patch, a linear fit to such points; its mean is right where an emitter is small and near, too ([`super::near_emitters`]).
+//! Direct light carries the shadows; so it never goes over links, whose factors
 //! are linear over patches that may be large. Links carry what is reflected.
 
 use glam::DVec2;
@@ -16,6 +17,7 @@ use crate::visibility::{FlatSource, ReceiverPoint, SourcePolygon, Visibility};
 use super::fit::Linear;
 use super::form_factor::factor_of_seen;
 use super::lamps::Lamps;
+use super::near_emitters::{EmitterExtent, ReceivingPatch};
 use super::obstacles::{MOST_EMITTERS, Obstacles};
 use super::sample;
 use super::seen::{KnownHere, SourceMemory, SourcesSeen};
@@ -27,6 +29,7 @@ struct Emitter {
     face: FaceId,
     polygon: FlatSource,
     outline: SourcePolygon,
+    extent: EmitterExtent,
     /// Emitted exitance, in W/m2.
     exitance: Rgb,
 }
@@ -51,6 +54,7 @@ impl<'a> DirectLight<'a> {
                 face,
                 polygon: FlatSource::of_face(prepared, face),
                 outline: SourcePolygon::of_face(prepared, face),
+                extent: EmitterExtent::of_face(prepared, face),
                 exitance: material(face).exitance(),
             })
             .collect();
@@ -110,7 +114,25 @@ impl<'a> DirectLight<'a> {
 
     /// Irradiance of a patch, in W/m2.
     pub fn over(&self, mesh: &Mesh, patch: PatchId) -> Linear<Rgb> {
-        self.fit(mesh, patch, |receiver| self.at(receiver))
+        self.fit(mesh, patch, |receiver| self.at(receiver)) + self.missed_of_near_emitters(mesh, patch)
+    }
+
+    /// The light of emitters that are small and near, less what the sample points of a patch tell of it, in W/m2.
+    fn missed_of_near_emitters(&self, mesh: &Mesh, patch: PatchId) -> Linear<Rgb> {
+        let mut missed = Linear::default();
+        let receiving = ReceivingPatch::new(self.prepared, self.visibility, mesh, patch);
+        for emitter in self.emitters.iter().filter(|emitter| receiving.is_small_and_near(&emitter.extent)) {
+            let factor = |receiver: &ReceiverPoint| factor_of_seen(self.visibility, receiver, &emitter.polygon, None);
+            let sampled = self.fit(mesh, patch, |receiver| Rgb::splat(factor(receiver)));
+            let exact = receiving.factor_by_reciprocity(emitter.face, &emitter.extent);
+            // Of how light varies the samples tell as little as of its mean: the same share of it is kept.
+            let kept = if sampled.mean.x > 0.0 { exact / sampled.mean.x } else { 0.0 };
+            let of_mean = Linear { mean: Rgb::splat(exact), gradient: sampled.gradient.map(|slope| kept * slope) };
+            let Linear { mean, gradient } = of_mean - sampled;
+            missed = missed
+                + Linear { mean: emitter.exitance * mean, gradient: gradient.map(|slope| emitter.exitance * slope) };
+        }
+        missed
     }
 
     /// Mean irradiance of a patch, and the mean of how far that of its sample points departs from the best linear fit, in W/m2.

@@ -28,8 +28,13 @@ pub enum Decision {
 
 /// Decides about pairs of nodes.
 pub trait Oracle {
-    /// What to do with `pair`, whose ends hold no D0 split-hint.
+    /// What to do with `pair`.
     fn decide(&self, mesh: &Mesh, pair: [Node; 2]) -> Decision;
+
+    /// Whether a node that holds a D0 split-hint is split before it is linked.
+    fn splits_d0_first(&self) -> bool {
+        true
+    }
 }
 
 /// Which oracle decides.
@@ -109,6 +114,20 @@ impl FormFactorOracle {
         } else {
             Decision::Link
         }
+    }
+}
+
+/// The paper's oracle, and nothing else: D0 hints are left for the end (paper, section 4).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaperOracle(pub FormFactorOracle);
+
+impl Oracle for PaperOracle {
+    fn decide(&self, mesh: &Mesh, pair: [Node; 2]) -> Decision {
+        self.0.decide(mesh, pair)
+    }
+
+    fn splits_d0_first(&self) -> bool {
+        false
     }
 }
 

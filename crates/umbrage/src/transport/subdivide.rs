@@ -12,7 +12,7 @@
 //!
 //! A patch that holds a D0 split-hint is split first, whatever the oracle says, and takes no link ever after either: it
 //! has a lit and a dark side, and a link would average them. (The paper removes D0 hints after linking; then light leaks
-//! under walls.) Links stay at their nodes when another pair splits these further.
+//! under walls; with [`super::PaperOracle`] it is done so.) Links stay at their nodes when another pair splits these further.
 //!
 //! All pairs of faces that could exchange much ([`super::pairs`]) are subdivided first, one after the other, since that changes the mesh; then the links' form factors
 //! are computed in parallel, each written at its own index.
@@ -128,7 +128,7 @@ impl<O: Oracle> Subdivision<'_, O> {
         if self.divided_by_d0.len() < self.mesh.patch_count() {
             self.divided_by_d0.resize(self.mesh.patch_count(), false);
         }
-        let holds = self.mesh.has_d0_hint(patch);
+        let holds = self.oracle.splits_d0_first() && self.mesh.has_d0_hint(patch);
         if holds && self.mesh.split(patch) {
             self.divided_by_d0[patch.index()] = true;
         }
@@ -142,7 +142,7 @@ mod tests {
     use crate::discontinuity::{DSegment, Degree, Event};
     use crate::id::{EdgeId, FaceId, Table};
     use crate::mesh::MeshSettings;
-    use crate::transport::{FormFactorOracle, Link};
+    use crate::transport::{FormFactorOracle, Link, PaperOracle};
     use crate::visibility::fixture;
     use glam::DVec3;
     use std::ops::ControlFlow;
@@ -186,6 +186,49 @@ mod tests {
         assert!(fine.0.patch_count() > 4 * coarse.0.patch_count());
         let split = fine.0.patches().filter(|(_, patch)| patch.subpatches.is_some());
         assert!(split.into_iter().all(|(_, patch)| patch.area_m2 > 0.01));
+    }
+
+    /// `subdivide` as the paper prints it, over the same pairs of faces.
+    fn printed(mesh: &mut Mesh, oracle: &FormFactorOracle, [p, q]: [Node; 2]) {
+        let Some(estimate) = oracle.estimate(mesh, [p, q]) else { return };
+        let [small, large] = if mesh.patch(q).area_m2 > mesh.patch(p).area_m2 { [p, q] } else { [q, p] };
+        if estimate <= oracle.max_form_factor || mesh.patch(large).area_m2 <= oracle.min_area_m2 || !mesh.split(large) {
+            return;
+        }
+        for part in mesh.patch(large).subpatches.unwrap() {
+            let pair = if large == p { [part, small] } else { [small, part] };
+            printed(mesh, oracle, pair);
+        }
+    }
+
+    #[test]
+    fn as_in_the_paper_leaves_are_exactly_those_that_fmax_asks_for() {
+        let (prepared, contacts) = two_rooms();
+        let visibility = Visibility::new(&prepared);
+        for f_max in [10.0, 0.3, 0.1, 0.05] {
+            let oracle = oracle(&prepared, f_max, 0.01);
+            let settings = MeshSettings { score: crate::mesh::SplitScore::Eq1, mend_bad_shapes: false };
+            let [mut made, mut reference] = [0, 1].map(|_| Mesh::new(&prepared, &contacts, settings));
+            let paper = PaperOracle(oracle);
+            let linked = subdivide_all(&prepared, &visibility, &mut made, &paper, Progress::silent()).unwrap();
+            for [p, q] in pairs(&prepared, &visibility) {
+                let pair = [reference.root(p), reference.root(q)];
+                printed(&mut reference, &oracle, pair);
+            }
+            let cuts =
+                |mesh: &Mesh| mesh.patches().map(|(id, patch)| (id, patch.subpatches, patch.cut)).collect::<Vec<_>>();
+            assert_eq!(cuts(&made), cuts(&reference));
+            assert_eq!(
+                made.patch_count() == prepared.faces.len(),
+                f_max == 10.0,
+                "not even the D0 hint is cut for its own sake"
+            );
+            for pair in linked {
+                let larger_m2 = pair.map(|node| made.patch(node).area_m2).into_iter().fold(0.0, f64::max);
+                let estimate = oracle.estimate(&made, pair).unwrap();
+                assert!(estimate <= f_max || larger_m2 <= oracle.min_area_m2, "{pair:?}: {estimate} of {f_max}");
+            }
+        }
     }
 
     #[test]
