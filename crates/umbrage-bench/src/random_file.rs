@@ -122,6 +122,6 @@ mod tests {
             let smooth = |scene: &Scene| scene.surfaces.iter().any(|s| !s.normals.is_empty());
             assert_eq!(smooth(&read), smooth(&scene), "seed {seed}");
         }
-        std::fs::remove_dir_all(folder).unwrap();
+        fs::remove_dir_all(folder).unwrap();
     }
 }
