@@ -5,17 +5,22 @@
 //! cargo run --release -p umbrage-bench -- compare bench-runs/A.json bench-runs/B.json
 //! cargo run --release -p umbrage-bench -- convergence
 //! cargo run --release -p umbrage-bench -- weak
+//! cargo run --release -p umbrage-bench -- random --scenes 1000 --seed 1
 //! ```
 //!
 //! Each bake of the suite is a process of its own, since the most memory that a process held never falls again: the
-//! program starts itself with the hidden command `one`, which prints what it measured as JSON.
+//! program starts itself with the hidden command `one` (`random-one` for a random scene), which prints what it measured as JSON.
 
 mod compare;
 mod convergence;
 mod machine;
 mod measure;
 mod page;
+mod parts;
 mod plot;
+mod random;
+mod random_file;
+mod random_one;
 mod record;
 mod reference;
 mod scenes;
@@ -42,8 +47,11 @@ enum Command {
     Compare(compare::CompareArgs),
     Convergence(convergence::ConvergenceArgs),
     Weak(weak::WeakArgs),
+    Random(random::RandomArgs),
     #[command(hide = true)]
     One(measure::OneArgs),
+    #[command(hide = true)]
+    RandomOne(random_one::RandomOneArgs),
 }
 
 fn main() -> anyhow::Result<()> {
@@ -52,6 +60,8 @@ fn main() -> anyhow::Result<()> {
         Command::Compare(args) => compare::run(&args),
         Command::Convergence(args) => convergence::run(&args),
         Command::Weak(args) => weak::run(&args),
+        Command::Random(args) => random::run(&args),
+        Command::RandomOne(args) => random_one::run(&args),
         Command::One(args) => measure::run(&args),
     }
 }

@@ -85,7 +85,7 @@ pub(crate) fn in_a_process(task: Task<'_>) -> anyhow::Result<Answer> {
 }
 
 /// The file of this program; on Linux the very file that runs, though a new build may have taken its place.
-fn this_program() -> anyhow::Result<PathBuf> {
+pub(crate) fn this_program() -> anyhow::Result<PathBuf> {
     if cfg!(target_os = "linux") {
         Ok("/proc/self/exe".into())
     } else {

@@ -10,12 +10,19 @@
 //! baked triangles                              -> baked (value between vertices)                      /
 //! ```
 //!
+//! Beside that it judges a bake as a whole ([`judge`]: T-vertices, energy, light, triangles) and makes [`random`] scenes to judge
+//! by.
+//!
 //! Holds: the report depends on the seed and never on threads or time.
 
 mod baked;
+mod boxes;
+pub mod conformity;
 mod emitters;
+pub mod judge;
 mod path;
 mod points;
+pub mod random;
 mod report;
 mod sides;
 mod smooth;

@@ -8,7 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use umbrage::scene::{Rgb, Scene, SceneError};
 
-use crate::baked::Baked;
+use crate::baked::{Baked, Shown};
 use crate::emitters::Emitters;
 use crate::path::{BATCHES, Gathered, Paths};
 use crate::report::{CheckedPoint, Report};
@@ -91,7 +91,7 @@ pub fn verify(
     let side = (settings.paths as f64 / BATCHES as f64).sqrt().ceil().max(1.0) as usize;
 
     let done = AtomicUsize::new(0);
-    let gathered: Vec<(Option<Rgb>, Gathered)> = places
+    let gathered: Vec<(Option<Shown>, Gathered)> = places
         .par_iter()
         .zip(&seeds)
         .map(|(place, &seed)| {
@@ -107,14 +107,15 @@ pub fn verify(
         rays += gathered.rays;
         let is_dark = gathered.batches.iter().all(|&batch| batch == Rgb::ZERO);
         let point = |shown| CheckedPoint::new(place.position_m, place.front, shown, &gathered.batches);
-        match shown {
+        // Of what is dark the light of a sheet close by tells nothing.
+        match shown.filter(|shown| shown.is_own || !is_dark).map(|shown| shown.irradiance) {
             // What no light reaches may be left out of a bake.
             None if is_dark => buried.push(point(Rgb::ZERO)),
             None => uncovered += 1,
             // And what is shown beside it may go on for a bit into it.
-            Some(shown) if is_dark && *shown != Rgb::ZERO && baked.ends_near(place) => buried.push(point(Rgb::ZERO)),
-            Some(shown) if is_dark && !gathered.sees_a_side => buried.push(point(*shown)),
-            Some(shown) => compared.push(point(*shown)),
+            Some(shown) if is_dark && shown != Rgb::ZERO && baked.ends_near(place) => buried.push(point(Rgb::ZERO)),
+            Some(shown) if is_dark && !gathered.sees_a_side => buried.push(point(shown)),
+            Some(shown) => compared.push(point(shown)),
         }
     }
     if compared.is_empty() {
