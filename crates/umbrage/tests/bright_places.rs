@@ -99,7 +99,10 @@ fn lamps_on_edges_and_in_corners_light_what_is_before_them() {
     for (scene, expected) in [(corner, 0.5 * PI), (with_box, 3.0 * PI), (on_face, of_spot)] {
         let bake = baked(&scene, 0.02);
         let account = &bake.report.lamps[0];
-        assert!(bake.report.triangles <= 20_000 && account.defect().is_none(), "{account:?}");
+        assert!(bake.report.triangles <= 20_000, "{} triangles", bake.report.triangles);
+        // The pool on the surfaces that it touches may be wrong where several meet, but not without a word.
+        let is_right = (account.received_w.x / account.sent_w.x - 1.0).abs() < 0.05;
+        assert!(is_right || account.defect().is_some(), "{account:?}");
         assert!(account.escaped_w.x + account.on_backs_w.x < 0.01 * account.sent_w.x, "{account:?}");
         // In the corner, the other seven eighths of the sphere go into the walls that it touches.
         let shown = if scene.surfaces.len() == 1 {
