@@ -181,7 +181,8 @@ mod tests {
 
     #[test]
     fn each_kind_of_fault_is_found() {
-        let triangles: Vec<BakedTriangle> = sides::triangles(&cornell_box())
+        let flat = vec![Vec::new(); cornell_box().polygon_count()];
+        let triangles: Vec<BakedTriangle> = sides::triangles(&cornell_box(), &flat)
             .iter()
             .map(|triangle| BakedTriangle { corners_m: triangle.corners_m(), irradiance: [Rgb::ONE; 3] })
             .collect();
