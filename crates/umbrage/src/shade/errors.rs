@@ -89,7 +89,8 @@ impl Errors {
             let of = |element: &Element| {
                 // Next to a lamp light grows without bound: what it errs there in W/m2 would be all that counts.
                 let own = element.corners().iter().map(|&corner| values.as_slice()[corner as usize]).sum::<Rgb>();
-                let counts = (self.glaring / (own.element_sum() / 9.0)).min(1.0);
+                let counts =
+                    if self.glaring > 0.0 { self.glaring / (own.element_sum() / 9.0).max(self.glaring) } else { 1.0 };
                 counts * counts * element.area_m2 * self.of(element).element_sum() / 3.0
             };
             elements[leaf.index()].iter().map(of).sum::<f64>()
