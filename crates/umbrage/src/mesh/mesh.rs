@@ -21,7 +21,7 @@ use crate::prepare::{DirectedEdge, Prepared, Side};
 /// picture of the whole scene has no pixels as small.
 const FINEST_OF_SCENE: f64 = 1e-5;
 /// Nor shorter than this share of the face, so that no light, however it jumps, makes more than so many triangles along a line.
-const FINEST_OF_FACE: f64 = 1e-4;
+const FINEST_OF_FACE: f64 = 2e-5;
 
 /// How patches are split.
 #[derive(Clone, Copy, Debug, PartialEq)]
