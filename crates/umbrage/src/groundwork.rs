@@ -125,7 +125,8 @@ mod tests {
 
     #[test]
     fn as_in_the_paper_the_patches_that_carried_light_are_shown() {
-        let (scene, settings) = (cornell_box(), BakeSettings::as_in_paper());
+        let (scene, mut settings) = (cornell_box(), BakeSettings::as_in_paper());
+        settings.prepare.keep_hidden = true;
         let (bake, meshed) = crate::bake::bake_and_keep(&scene, &settings, Progress::silent()).unwrap();
         let mut mesh = meshed.mesh;
         let total_m2: f64 = meshed.prepared.faces.keys().map(|face| mesh.patch(mesh.root(face)).area_m2).sum();

@@ -16,7 +16,7 @@ use smallvec::SmallVec;
 
 use super::field::{MeshPoint, Places};
 use super::irradiance::{Irradiance, Terms};
-use super::refine::{LEAST_SHARE_OF_LEAVES, OWN_TOLERANCES, least_within, worst};
+use super::refine::{OWN_TOLERANCES, least_within, worst};
 use crate::id::{PatchId, Table};
 use crate::mesh::Mesh;
 use crate::progress::{Cancelled, Progress, Stage};
@@ -103,7 +103,7 @@ impl BouncedLight {
             if evenness.in_middles_alone || round == MOST_ROUNDS || !target.is_finite() || total <= target {
                 break;
             }
-            let mut marked = worst(uneven, total, target, LEAST_SHARE_OF_LEAVES);
+            let mut marked = worst(uneven, total, target);
             marked.retain(|&leaf| mesh.patch(leaf).area_m2 > LEAST_OF_ALL * area_m2);
             marked.sort_unstable();
             if marked.into_iter().filter(|&leaf| mesh.split(leaf)).count() == 0 {

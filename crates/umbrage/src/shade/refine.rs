@@ -23,10 +23,7 @@ use crate::transport::PlacesOfLeaves;
 /// The leaves that make up this share of the squared error are split in a round.
 const SHARE_A_ROUND: f64 = 0.6;
 /// A round that would split less than this share of the leaves splits so many, so that rounds stay few.
-pub(super) const LEAST_SHARE_OF_LEAVES: f64 = 0.02;
-/// After so many rounds that share doubles every ten: where splits of the worst leaves leave the error in one of their parts, rounds
-/// would run out over few of them.
-const USUAL_ROUNDS: usize = 40;
+const LEAST_SHARE_OF_LEAVES: f64 = 0.02;
 /// Elements larger than this share of all area are looked at in more points before interpolation over them is trusted.
 const LARGE_OF_ALL: f64 = 2e-3;
 /// No element may err by more than so many tolerances of its own light, besides one tolerance of the mean light: what is dim is
@@ -163,11 +160,11 @@ pub(super) fn refine(
         let total = errors.total(&divisible);
         is_coarse = total > target;
         let mut marked: Vec<PatchId> = if is_coarse {
-            worst(errors.of_leaves(&divisible), total, target, least_share(round))
+            worst(errors.of_leaves(&divisible), total, target)
         } else {
             let looked_at = if tells_all { &leaves } else { &changed };
             let marked: Vec<PatchId> = looked_at.par_iter().copied().filter(|&leaf| errs_locally(leaf)).collect();
-            worst(errors.of_leaves(&marked), f64::INFINITY, 0.0, LEAST_SHARE_OF_LEAVES)
+            worst(errors.of_leaves(&marked), f64::INFINITY, 0.0)
         };
         // Where there is room for all, the order does not matter: that of numbers is the same however errors are rounded.
         if room / MOST_OF_A_SPLIT >= marked.len() {
@@ -192,17 +189,12 @@ pub(super) fn refine(
     Ok(refined)
 }
 
-/// A round splits no smaller share of the leaves.
-fn least_share(round: usize) -> f64 {
-    LEAST_SHARE_OF_LEAVES * 2f64.powi((round.saturating_sub(USUAL_ROUNDS) / 10) as i32)
-}
-
 /// The leaves that make up a share of the squared error, no fewer than a share of all and no more than are needed for the target; those
 /// that err most come first.
-pub(super) fn worst(mut errors: Vec<(PatchId, f64)>, total: f64, target: f64, least_share: f64) -> Vec<PatchId> {
+pub(super) fn worst(mut errors: Vec<(PatchId, f64)>, total: f64, target: f64) -> Vec<PatchId> {
     errors.par_sort_unstable_by(|(p, first), (q, second)| second.total_cmp(first).then(p.cmp(q)));
     let enough = (SHARE_A_ROUND * total).min(total - 0.5 * target);
-    let least = (least_share * errors.len() as f64) as usize;
+    let least = (LEAST_SHARE_OF_LEAVES * errors.len() as f64) as usize;
     let mut marked = Vec::new();
     let mut sum = 0.0;
     for (leaf, squared) in errors {
@@ -255,11 +247,11 @@ mod tests {
     }
 
     #[test]
-    fn all_leaves_were_looked_at_though_rounds_ran_out() {
+    fn all_leaves_were_looked_at_though_rounds_or_triangles_ran_out() {
         let prepared = fixture::prepared(&[fixture::square(DVec3::ZERO, 1.0, true)]);
         for interpolation in [Interpolation::Linear, Interpolation::Quadratic] {
             let mut mesh = Mesh::new(&prepared, &Table::new(), MeshSettings::default());
-            let settings = RefineSettings { interpolation, tolerance: 1e-60, mean: 1.0, max_triangles: usize::MAX };
+            let settings = RefineSettings { interpolation, tolerance: 1e-60, mean: 1.0, max_triangles: 20_000 };
             let places = Places::new(&prepared);
             let refined =
                 refine(&mut mesh, &places, &mut Spikes, Values::default(), |_, _| true, settings, Progress::silent())

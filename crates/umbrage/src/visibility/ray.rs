@@ -10,39 +10,14 @@ use std::ops::ControlFlow;
 
 use glam::{DVec3, Vec3A};
 
-use super::{ReceiverPoint, Visibility};
+use super::Visibility;
 use crate::geometry::predicate::orient_3d;
 use crate::id::{FaceId, PlaneId};
-
-/// Points of a plane lie off it by less than this share of the scene's extent: three roundings of `f32`.
-const ROUNDED_OF_EXTENT: f64 = 2e-7;
 
 impl Visibility {
     /// Whether a face crosses the open segment between two points; faces in the planes `passing` are passed through.
     pub fn occluded(&self, from_m: DVec3, to_m: DVec3, passing: [PlaneId; 2]) -> bool {
         self.blocker(None, from_m, to_m, passing).is_some()
-    }
-
-    /// Whether a face hides the point `to_m` from a receiver. Where surfaces meet at an angle so small that one is hardly over the
-    /// other, rounding does not decide point by point: a face that nowhere rises over the receiver's plane hides nothing, and
-    /// one that does hides all the way to the line where they meet.
-    pub fn hidden_from(&self, receiver: &ReceiverPoint, to_m: DVec3) -> bool {
-        if receiver.near.is_some() {
-            return self.stopper(receiver, to_m, None, None).is_some();
-        }
-        let tolerance = self.tolerance();
-        let from_m = receiver.position_m - ROUNDED_OF_EXTENT * tolerance.extent_m * receiver.normal;
-        let over_m = |corner: &DVec3| receiver.normal.dot(*corner - receiver.position_m);
-        let mut hidden = false;
-        self.walk_along(&Slabs::new(from_m, to_m), None, |face| {
-            let rises = || self.boundary_m(face).iter().any(|corner| over_m(corner) > tolerance.coplanar_m());
-            if self.is_blocked_by(face, from_m, to_m, [receiver.plane; 2]) && rises() {
-                hidden = true;
-                return ControlFlow::Break(());
-            }
-            ControlFlow::Continue(())
-        });
-        hidden
     }
 
     /// A face that does, of some faces, or of all where none are given.
