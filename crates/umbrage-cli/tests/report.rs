@@ -150,7 +150,7 @@ fn warnings_about_the_result_are_documented() {
     let toml = "double_sided = true\n[[lamps]]\nname = \"bulb\"\nposition = [0.5, 0.5, 1e-9]\nintensity = 1\n";
     fs::write(path("bulb.umbrage.toml"), toml).unwrap();
     let bake = ["bake", &path("bulb.obj"), "-o", &path("baked.glb"), "--report", &path("r.json")];
-    let done = umbrage(&[&bake[..], &["--max-triangles", "200"]].concat());
+    let done = umbrage(&[&bake[..], &["--tolerance", "0.0005"]].concat());
     assert_eq!(code(&done), Some(0), "{}", err(&done));
     let told = report(&folder.join("r.json"));
     let known = documented("Warnings about the result");

@@ -87,7 +87,7 @@ fn checked(scene: &Scene, smooth: bool) -> Report {
         part.triangles.iter().map(triangle)
     });
     let triangles: Vec<BakedTriangle> = parts.collect();
-    let settings = Settings { points: 600, paths: 512, seed: 5, smooth };
+    let settings = Settings { points: 600, paths: 2048, seed: 5, smooth };
     verify(scene, &triangles, &settings, &|_, _| ControlFlow::Continue(())).unwrap()
 }
 

@@ -198,6 +198,13 @@ impl Element {
         !self.at_contact_corner && squared.element_sum() / 3.0 > most * most
     }
 
+    /// Whether it is exactly dark inside, and at a corner, and more than `least` is shown there, in W/m2.
+    pub(super) fn leaks(&self, values: &Values, least: f64) -> bool {
+        let at = self.corners.map(|corner| values.as_slice()[corner as usize]);
+        let shown: Rgb = PROBE.into_iter().zip(at).map(|(weight, light)| weight * light).sum();
+        at.contains(&Rgb::ZERO) && shown.max_element() > least && shown + self.inside == Rgb::ZERO
+    }
+
     /// Square of what quadratic interpolation errs where it was looked at, beyond what may be by chance, per colour.
     pub(super) fn quadratic_error_squared(&self) -> Rgb {
         let inside = self.inside - parabola(PROBE, &self.bulges);

@@ -34,6 +34,10 @@ pub(super) const LEAST_OF_ALL: f64 = 1e-7;
 /// No leaf is split that has no more area than a square with sides of this share of the scene's extent: an eighth of the radius over
 /// which light is spread where a lamp touches a surface, and 30 times the size of what input and output round.
 const MIN_EDGE_OF_SCENE: f64 = 2.5e-5;
+/// Leaves smaller than this share of all area may leak.
+const LEAKING_OF_ALL: f64 = 1e-6;
+/// Light of more than this share of the mean that is shown where it is exactly dark is a leak.
+const LEAK_OF_MEAN: f64 = 1e-3;
 /// No refinement needs more rounds: each halves the greatest errors at least, and those at its end look at few leaves.
 const MOST_ROUNDS: usize = 100;
 
@@ -152,6 +156,14 @@ pub(super) fn refine(
                     element.errs_locally(errors.of(element), &refined.values, of_own, least)
                 })
         };
+        let leaks = |leaf: PatchId| {
+            settings.interpolation == Interpolation::Linear
+                && !is_finest[leaf.index()]
+                && mesh.patch(leaf).area_m2 > LEAKING_OF_ALL * area_m2
+                && refined.elements[leaf.index()]
+                    .iter()
+                    .any(|element| element.leaks(&refined.values, LEAK_OF_MEAN * settings.mean))
+        };
         // Where triangles are few, the mean error comes first.
         let room = settings.max_triangles.saturating_sub(mesh.triangle_count());
         // What cannot be split does not drive the others.
@@ -163,7 +175,8 @@ pub(super) fn refine(
             worst(errors.of_leaves(&divisible), total, target)
         } else {
             let looked_at = if tells_all { &leaves } else { &changed };
-            let marked: Vec<PatchId> = looked_at.par_iter().copied().filter(|&leaf| errs_locally(leaf)).collect();
+            let marked: Vec<PatchId> =
+                looked_at.par_iter().copied().filter(|&leaf| errs_locally(leaf) || leaks(leaf)).collect();
             worst(errors.of_leaves(&marked), f64::INFINITY, 0.0)
         };
         // Where there is room for all, the order does not matter: that of numbers is the same however errors are rounded.
