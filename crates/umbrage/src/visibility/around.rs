@@ -92,7 +92,7 @@ fn beyond(prepared: &Prepared, edge: EdgeId, face: FaceId) -> SmallVec<[FaceId; 
     let (own, faces) = (&prepared.faces[face], &prepared.edges[edge].faces);
     let is_coplanar = |other: &FaceId| prepared.faces[*other].plane == own.plane;
     let goes_on = |other: &FaceId| *other != face && is_coplanar(other) && prepared.faces[*other].facing == own.facing;
-    if faces.iter().any(|other| goes_on(other)) {
+    if faces.iter().any(goes_on) {
         faces.iter().copied().filter(|other| is_coplanar(other)).collect()
     } else {
         faces.clone()
