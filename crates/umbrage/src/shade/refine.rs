@@ -35,7 +35,7 @@ pub(super) const LEAST_OF_ALL: f64 = 1e-7;
 /// which light is spread where a lamp touches a surface, and 30 times the size of what input and output round.
 const MIN_EDGE_OF_SCENE: f64 = 2.5e-5;
 /// Leaves smaller than this share of all area may leak.
-const LEAKING_OF_ALL: f64 = 1e-6;
+const LEAKING_OF_ALL: f64 = 1e-5;
 /// Light of more than this share of the mean that is shown where it is exactly dark is a leak.
 const LEAK_OF_MEAN: f64 = 1e-3;
 /// No refinement needs more rounds: each halves the greatest errors at least, and those at its end look at few leaves.
