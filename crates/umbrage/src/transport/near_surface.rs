@@ -48,8 +48,7 @@ pub(super) fn spread(lamp: &Lamp, receiver: &ReceiverPoint, radius_m: f64) -> Op
     }
     let at = |direction: DVec3| unoccluded(lamp, foot_m + radius_m * direction, normal);
     let (u, v) = normal.any_orthonormal_pair();
-    let around =
-        |i: usize| u * (TAU * i as f64 / AROUND as f64).cos() + v * (TAU * i as f64 / AROUND as f64).sin();
+    let around = |i: usize| u * (TAU * i as f64 / AROUND as f64).cos() + v * (TAU * i as f64 / AROUND as f64).sin();
     let border = (0..AROUND).map(|i| at(around(i))).sum::<Rgb>() / AROUND as f64;
     let peak =
         (2.0 * flux_w(lamp, foot_m, normal, height_m, radius_m) / (PI * radius_m * radius_m) - border).max(Rgb::ZERO);
