@@ -39,6 +39,12 @@ impl Element {
             })
             .sum()
     }
+
+    /// The least light at its points, of each colour.
+    fn least(&self) -> Rgb {
+        let points = self.values.into_iter().chain(self.middles);
+        points.reduce(Rgb::min).unwrap_or_default().max(Rgb::ZERO)
+    }
 }
 
 /// The triangles around the middle of a face.
@@ -94,7 +100,7 @@ impl<'a> Interpolated<'a> {
             .iter()
             .map(|element| (element.weights(at), element))
             .reduce(|best, next| if least(&next.0) > least(&best.0) { next } else { best });
-        // A parabola may fall below zero beside a dark corner.
-        nearest.map_or(Rgb::ZERO, |(weights, element)| element.value(weights).max(Rgb::ZERO))
+        // Beside a dark corner a parabola may fall below the light at all of its points, even below zero: that would be a black dot.
+        nearest.map_or(Rgb::ZERO, |(weights, element)| element.value(weights).max(element.least()))
     }
 }
