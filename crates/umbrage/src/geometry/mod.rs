@@ -2,10 +2,12 @@
 
 pub mod clip;
 pub mod convex;
+mod disjoint_sets;
 pub mod plane;
 pub mod polygon;
 pub mod predicate;
 pub mod tolerance;
 
+pub(crate) use disjoint_sets::DisjointSets;
 pub use plane::{Plane, PlaneFrame};
 pub use tolerance::Tolerance;

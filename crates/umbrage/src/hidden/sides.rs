@@ -16,6 +16,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use smallvec::SmallVec;
 
+use crate::geometry::DisjointSets;
 use crate::id::{EdgeId, FaceId, Table};
 use crate::prepare::{DirectedEdge, Prepared};
 
@@ -30,7 +31,8 @@ pub(super) type Region = usize;
 #[derive(Clone, Debug)]
 pub(super) struct Sides {
     /// The two sides of each face, front and back by turns; at last the outside. The least of a set stands for it.
-    parents: Vec<usize>,
+    sets: DisjointSets,
+    count: usize,
     /// The face at the back of each, where a surface is double-sided.
     opposites: Table<FaceId, Option<FaceId>>,
 }
@@ -54,9 +56,9 @@ impl Page {
 impl Sides {
     /// The sides that hang together around edges.
     pub(super) fn around_edges(prepared: &Prepared) -> Self {
-        let parents = (0..2 * prepared.faces.len() + 1).collect();
+        let count = 2 * prepared.faces.len() + 1;
         let opposites = prepared.faces.keys().map(|face| opposite(prepared, face)).collect();
-        let mut sides = Self { parents, opposites };
+        let mut sides = Self { sets: DisjointSets::new(count), count, opposites };
         for face in prepared.faces.keys() {
             if let Some(opposite) = sides.opposites[face] {
                 sides.join(front(face), back(opposite));
@@ -82,27 +84,27 @@ impl Sides {
 
     /// The number of regions is less than this.
     pub(super) fn count(&self) -> usize {
-        self.parents.len()
+        self.count
     }
 
     /// The region that a face looks into.
     pub(super) fn region_before(&mut self, face: FaceId) -> Region {
-        self.first(front(face))
+        self.region(front(face))
     }
 
     /// The region behind a face.
     pub(super) fn region_behind(&mut self, face: FaceId) -> Region {
-        self.first(back(face))
+        self.region(back(face))
     }
 
     /// The region that a side bounds.
     pub(super) fn region(&mut self, side: usize) -> Region {
-        self.first(side)
+        self.sets.first_of(side)
     }
 
     /// The region that has no end.
     pub(super) fn outside(&mut self) -> Region {
-        self.first(self.parents.len() - 1)
+        self.region(self.count - 1)
     }
 
     /// Whether a face has another at its back.
@@ -112,16 +114,7 @@ impl Sides {
 
     /// Makes one region of two.
     pub(super) fn join(&mut self, one: usize, other: usize) {
-        let (one, other) = (self.first(one), self.first(other));
-        self.parents[one.max(other)] = one.min(other);
-    }
-
-    fn first(&mut self, mut side: usize) -> usize {
-        while self.parents[side] != side {
-            self.parents[side] = self.parents[self.parents[side]];
-            side = self.parents[side];
-        }
-        side
+        self.sets.join(one, other);
     }
 }
 

@@ -38,7 +38,6 @@ use crate::discontinuity::{self, DSegment, Discontinuities};
 use crate::hidden;
 use crate::id::PatchId;
 use crate::mesh::Mesh;
-
 use crate::prepare::Prepared;
 use crate::progress::{Progress, Stage};
 use crate::scene::{Rgb, Scene};

@@ -9,9 +9,9 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-use super::disjoint_sets::DisjointSets;
 use super::field::Places;
 use crate::discontinuity::is_contact;
+use crate::geometry::DisjointSets;
 use crate::id::{EdgeId, FaceId, PatchId, Table, VertexId};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;

@@ -6,8 +6,8 @@
 
 use rustc_hash::FxHashMap;
 
-use super::disjoint_sets::DisjointSets;
 use crate::discontinuity::is_contact;
+use crate::geometry::DisjointSets;
 use crate::id::{EdgeId, FaceId, VertexId};
 use crate::prepare::{DirectedEdge, Prepared, is_one_surface_at};
 

@@ -7,7 +7,6 @@ mod bounced;
 mod corner_group;
 mod crowd;
 mod direct;
-mod disjoint_sets;
 mod element;
 mod errors;
 mod field;
