@@ -23,13 +23,15 @@ use glam::DVec3;
 
 use crate::discontinuity::{self, DSegment, Discontinuities, Reflecting};
 use crate::hidden;
-use crate::id::{DSegmentId, PatchId, Table};
+use crate::geometry::polygon;
+use crate::id::{DSegmentId, FaceId, PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::{PrepareError, PrepareReport, PrepareSettings, Prepared};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Rgb, Scene, SceneError};
 use crate::shade::{self, BakedMesh, Bouncing, IndirectLight, Irradiance, LampAccount, Room, ShadeMeshes, Terms};
 use crate::solve::{self, EnergyAccount, Solution, Surfaces};
+use crate::texels::{RayTree, TexelRadiosity};
 use crate::transport::{
     self, BrightnessOracle, DirectLight, KnownSources, Linear, Links, OracleKind, PaperOracle, SourceMemory,
     SourcesSeen,
@@ -261,6 +263,8 @@ pub(crate) struct Solved<'a> {
     pub(crate) solution: Solution,
     /// What points of the patches see of each other.
     bounced: Cow<'a, AtPoints<Terms>>,
+    /// The light of texels, where it is gathered from these.
+    texels: Option<(RayTree, TexelRadiosity)>,
 }
 
 /// A bake, and what of its light another one can start from.
@@ -286,6 +290,14 @@ pub(crate) fn solve<'a>(
     let Linked { meshed: Meshed { prepared, mesh, .. }, visibility, links } = linked;
     let (prepared, visibility, links) = (&*prepared, &*visibility, &*links);
     let direct = DirectLight::new(scene, prepared, visibility).with_memory(before.sources());
+    if settings.fits_samples(prepared) {
+        let tree = RayTree::new(prepared);
+        let light = TexelRadiosity::new(scene, prepared, &direct, &tree, progress)?;
+        let solution = light.over_patches(mesh);
+        let bounced = Cow::Owned(AtPoints::new(Vec::new()));
+        let surfaces = Surfaces::of_materials(scene, prepared, mesh);
+        return Ok(Solved { surfaces, solution, bounced, texels: Some((tree, light)) });
+    }
     let mut surfaces = Surfaces::new(scene, prepared, mesh, &direct);
     let (solution, bounced) = match before {
         Before::Known(Known { missed: Some(missed), bounced, .. }) => {
@@ -304,7 +316,7 @@ pub(crate) fn solve<'a>(
             (solution, Cow::Owned(bounced))
         }
     };
-    Ok(Solved { surfaces, solution, bounced })
+    Ok(Solved { surfaces, solution, bounced, texels: None })
 }
 
 /// Makes the mesh that is shown.
@@ -312,7 +324,7 @@ pub(crate) fn show(
     scene: &Scene,
     settings: &BakeSettings,
     linked: &Linked,
-    Solved { surfaces, solution, bounced }: Solved<'_>,
+    Solved { surfaces, solution, bounced, texels }: Solved<'_>,
     before: &Before<'_>,
     mut clock: Clock,
     progress: Progress<'_>,
@@ -338,11 +350,21 @@ pub(crate) fn show(
         .coarser(settings.coarser_to_be_shown())
         .along_rays(settings.rays(prepared))
         .with_memory(before.gathered());
-    let indirect = IndirectLight { irradiance: &light, bounced: &bounced };
+    let indirect = match &texels {
+        Some((tree, light)) => IndirectLight::Sampled { tree, light },
+        None => IndirectLight::Gathered { irradiance: &light, bounced: &bounced },
+    };
     let mut meshes = if refined {
         let with = |segments| Mesh::new(prepared, segments, settings.mesh(discontinuities.mean_irradiance));
         let all = discontinuities.segments.iter().chain(&secondary).copied().collect();
-        ShadeMeshes { shown: with(&all), gathering: with(&secondary) }
+        // Where light is fitted, its jumps must be cut.
+        let near = texels.is_some().then(|| near_edges_of(scene, prepared)).unwrap_or_default();
+        let jumps = secondary.iter().copied().chain(near).collect();
+        let mut gathering = with(&jumps);
+        if texels.is_some() {
+            gathering.remove_d0_hints();
+        }
+        ShadeMeshes { shown: with(&all), gathering }
     } else {
         let all = || Mesh::new(prepared, &discontinuities.segments, settings.mesh(discontinuities.mean_irradiance));
         let shown = shade::within(scene, prepared, mesh.clone(), all, settings.shade_within(0).max_triangles);
@@ -526,7 +548,7 @@ pub(crate) fn link(
     let mesh_settings = settings.mesh(discontinuities.mean_irradiance);
     let mut mesh = Mesh::new(&prepared, &discontinuities.segments, mesh_settings);
     let form_factor = settings.form_factor_oracle(&prepared);
-    let rays = settings.rays(&prepared);
+    let rays = settings.fits_samples(&prepared).then_some(());
     let brightness = match settings.oracle {
         OracleKind::Brightness if rays.is_none() => {
             BrightnessOracle::new(form_factor, scene, &prepared, &visibility, &mesh)
@@ -552,6 +574,17 @@ pub(crate) fn link(
     }
     clock.end_of(Stage::Transport);
     Ok(Linked { meshed: Meshed { prepared, discontinuities, mesh }, visibility, links })
+}
+
+/// Contacts, and edges close before faces.
+fn near_edges_of(scene: &Scene, prepared: &Prepared) -> Vec<DSegment> {
+    let receives = |face: FaceId| {
+        let face = &prepared.faces[face];
+        scene.surfaces[face.surface].baked && !scene.materials[face.material].emits()
+    };
+    let area_m2: f64 = prepared.faces.keys().map(|face| polygon::area_m2(&prepared.polygon_m(face))).sum();
+    let least_m = (shade::LEAST_OF_FIT * area_m2).sqrt();
+    discontinuity::contacts_and_near_edges(prepared, least_m, receives)
 }
 
 /// What every patch that is not split reflects, for the secondary sources.

@@ -31,6 +31,8 @@ pub mod transport;
 
 pub mod solve;
 
+pub mod texels;
+
 pub mod shade;
 
 mod settings;

@@ -32,6 +32,18 @@ const FACES_A_RAY: usize = 4;
 /// square of the lamps; refinement cuts the ones that it finds to matter.
 const JUMP_OF_TOLERANCE: f64 = 10.0;
 
+/// What gathers reflected light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GatherKind {
+    /// The one that is expected to be faster.
+    #[default]
+    Fastest,
+    /// Exact gathers at points, face by face, over the hierarchy and its links.
+    Faces,
+    /// Fits to scattered samples, from texels.
+    Regression,
+}
+
 /// How a scene is baked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BakeSettings {
@@ -56,6 +68,8 @@ pub struct BakeSettings {
     pub weak_of_tolerance: f64,
     /// Whether those of what reflects much are calculated, too.
     pub secondary_sources: bool,
+    /// What gathers reflected light.
+    pub gather: GatherKind,
     /// When the iteration ends.
     pub solve: SolveSettings,
     /// How finely light is shown.
@@ -75,6 +89,7 @@ impl Default for BakeSettings {
             discontinuities: true,
             weak_of_tolerance: 1.0,
             secondary_sources: true,
+            gather: GatherKind::default(),
             solve: SolveSettings::default(),
             shade: ShadeSettings::default(),
         }
@@ -131,6 +146,17 @@ impl BakeSettings {
         // The paper's oracle decides about links: it is heeded, however many there are.
         let may = self.shade.tolerance.is_finite() && self.oracle != OracleKind::FormFactor;
         (may && prepared.faces.len() / FACES_A_RAY >= rays).then_some(rays)
+    }
+
+    /// Whether reflected light is fitted to samples.
+    pub(crate) fn fits_samples(&self, prepared: &Prepared) -> bool {
+        match self.gather {
+            // The paper's oracle decides about links: it is heeded, however many there are.
+            _ if !self.shade.tolerance.is_finite() || self.oracle == OracleKind::FormFactor => false,
+            GatherKind::Faces => false,
+            GatherKind::Regression => true,
+            GatherKind::Fastest => self.rays(prepared).is_some(),
+        }
     }
 
     /// How light is shown with `apart` triangles that are added to the baked mesh afterwards: the one place that says how

@@ -22,6 +22,7 @@ mod find;
 mod in_plane;
 mod lamp;
 mod merge;
+mod near_edges;
 mod occluder_plane;
 mod plane_image;
 mod polynomial;
@@ -39,6 +40,7 @@ mod wedge;
 
 pub use bright_part::Reflecting;
 pub use contact::is_contact;
+pub use near_edges::contacts_and_near_edges;
 pub use d_segment::{DSegment, Degree, Event};
 pub use emitter::Emitter;
 pub use features::Features;

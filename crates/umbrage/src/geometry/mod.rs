@@ -2,7 +2,7 @@
 
 pub mod clip;
 pub mod convex;
-mod disjoint_sets;
+pub(crate) mod disjoint_sets;
 pub mod plane;
 pub mod polygon;
 pub mod predicate;

@@ -9,7 +9,7 @@
 
 use glam::DVec3;
 
-use super::field::{Field, Places, Request, Values};
+use super::field::{Field, MeshPoint, Places, Request, Values};
 use crate::id::{PatchId, VertexId};
 use crate::mesh::{BoundaryPoint, Mesh};
 use crate::scene::Rgb;
@@ -62,6 +62,20 @@ impl Outlined {
     /// Number of boundary points: with more of them the triangles are others.
     pub(super) fn point_count(&self) -> usize {
         self.boundary.len()
+    }
+
+    /// The corners of each triangle, and the points of its corners and of the middles of its sides.
+    pub(super) fn nodes<'a>(
+        &'a self,
+        mesh: &'a Mesh,
+        places: &'a Places<'_>,
+    ) -> impl Iterator<Item = ([VertexId; 3], [MeshPoint; 6])> + 'a {
+        self.triangles.iter().map(|&triangle| {
+            let corners = triangle.map(|k| self.boundary[k].vertex);
+            let [a, b, c] = corners.map(|corner| places.vertex(mesh, self.patch, corner).key);
+            let [d, e, f] = [0, 1, 2].map(|i| self.middle(mesh, places, triangle, i).key);
+            (corners, [a, b, c, d, e, f])
+        })
     }
 
     /// The points whose values the elements need.

@@ -21,6 +21,7 @@ mod part;
 mod plain;
 mod refine;
 mod reflected;
+mod regression;
 mod rim;
 #[expect(clippy::module_inception, reason = "the module's main function is named like the module")]
 mod shade;
@@ -29,4 +30,5 @@ pub use baked_mesh::{BakedMesh, BakedMeshError, BakedPart};
 pub use bounce::{Bouncing, Room, bounce};
 pub use irradiance::{Irradiance, Terms};
 pub use lamp_account::{LampAccount, LampDefect};
+pub(crate) use regression::LEAST_OF_ALL as LEAST_OF_FIT;
 pub use shade::{IndirectLight, ShadeMeshes, ShadeSettings, Shaded, shade, within};

@@ -13,15 +13,17 @@ use super::assemble::{Lighting, assemble};
 use super::direct::Direct;
 use super::field::{Field, Places, Values};
 use super::interpolated::Interpolated;
-use super::irradiance::{Indirect, Irradiance, Terms};
+use super::irradiance::{self, Irradiance, Terms};
 use super::lamp_account::{LampAccount, Shown, lamp_accounts};
 use super::plain::plain_faces;
 use super::refine::{Interpolation, RefineSettings, Refined, refine};
+use super::regression::{FittedLight, Gathering, RegressionSettings, regress};
 use crate::id::{FaceId, PatchId};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress};
 use crate::scene::{Rgb, Scene};
+use crate::texels::{RayTree, Sources, TexelRadiosity};
 use crate::transport::{BrightPlace, DirectLight};
 use crate::visibility::{AtPoints, ReceiverPoint};
 
@@ -82,10 +84,27 @@ pub struct Shaded {
     pub lamps: Vec<LampAccount>,
 }
 
+/// Indirect light as a function of the place.
+enum Indirect<'a> {
+    /// Interpolated between points where it was gathered.
+    Interpolated(Interpolated<'a>),
+    /// Fitted to samples.
+    Fitted(FittedLight),
+}
+
+impl Indirect<'_> {
+    fn at(&self, point: &ReceiverPoint, face: FaceId) -> Rgb {
+        match self {
+            Self::Interpolated(light) => light.at(point, face),
+            Self::Fitted(light) => light.at(point.position_m, face),
+        }
+    }
+}
+
 /// Direct light exactly, plus indirect light from few points.
 struct Total<'a> {
     direct: Direct<'a>,
-    indirect: Interpolated<'a>,
+    indirect: Indirect<'a>,
     bright: &'a [BrightPlace],
 }
 
@@ -119,11 +138,31 @@ pub struct ShadeMeshes {
 
 /// Where indirect light is known from.
 #[derive(Clone, Copy, Debug)]
-pub struct IndirectLight<'a> {
-    /// What gathers it.
-    pub irradiance: &'a Irradiance<'a>,
-    /// What points of the patches that it bounced on see of each other.
-    pub bounced: &'a AtPoints<Terms>,
+pub enum IndirectLight<'a> {
+    /// From gathers at points.
+    Gathered {
+        /// What gathers it.
+        irradiance: &'a Irradiance<'a>,
+        /// What points of the patches that it bounced on see of each other.
+        bounced: &'a AtPoints<Terms>,
+    },
+    /// From samples along rays that meet texels.
+    Sampled {
+        /// All faces, for rays.
+        tree: &'a RayTree,
+        /// Their texels.
+        light: &'a TexelRadiosity,
+    },
+}
+
+impl IndirectLight<'_> {
+    /// Mean of all irradiance, in W/m2.
+    fn mean(&self) -> f64 {
+        match self {
+            Self::Gathered { irradiance, .. } => irradiance.mean,
+            Self::Sampled { light, .. } => light.mean.element_sum() / 3.0,
+        }
+    }
 }
 
 /// Refines the meshes, cuts the one that is shown into triangles and evaluates the light of their corners.
@@ -135,7 +174,7 @@ pub fn shade(
     prepared: &Prepared,
     ShadeMeshes { shown: mesh, gathering }: &mut ShadeMeshes,
     direct: &DirectLight<'_>,
-    IndirectLight { irradiance, bounced }: IndirectLight<'_>,
+    indirect: IndirectLight<'_>,
     settings: ShadeSettings,
     progress: Progress<'_>,
 ) -> Result<Shaded, Cancelled> {
@@ -148,20 +187,31 @@ pub fn shade(
     mesh.count_triangles_of(|face| scene.surfaces[prepared.faces[face].surface].baked);
     let most = settings.max_triangles;
     cut_first(mesh, most);
-    let mean = irradiance.mean;
-    let smooth = RefineSettings {
-        interpolation: Interpolation::Quadratic,
-        tolerance: INDIRECT_SHARE * settings.tolerance,
-        mean,
-        max_triangles: most.max(LEAST_GATHERED),
+    let mean = indirect.mean();
+    let light = match indirect {
+        IndirectLight::Gathered { irradiance, bounced } => {
+            let smooth = RefineSettings {
+                interpolation: Interpolation::Quadratic,
+                tolerance: INDIRECT_SHARE * settings.tolerance,
+                mean,
+                max_triangles: most.max(LEAST_GATHERED),
+            };
+            let tolerances = [smooth.tolerance, settings.tolerance].map(|tolerance| tolerance * mean);
+            let (plain, known) = plain_faces(gathering, &places, irradiance, bounced, tolerances, progress)?;
+            let is_not_plain = |mesh: &Mesh, patch: PatchId| plain[mesh.patch(patch).face].is_none();
+            let field = &mut irradiance::Indirect(irradiance);
+            let gathered = refine(gathering, &places, field, known, is_not_plain, smooth, progress)?;
+            Indirect::Interpolated(Interpolated::new(gathering, &gathered, &plain))
+        }
+        IndirectLight::Sampled { tree, light } => {
+            let sources = Sources::new(scene, prepared, direct, tree);
+            let from = Gathering { prepared, tree, sources: &sources, light };
+            let settings = RegressionSettings { tolerance: settings.tolerance, mean };
+            Indirect::Fitted(regress(from, gathering.clone(), &places, is_shown, settings, progress)?)
+        }
     };
-    let tolerances = [smooth.tolerance, settings.tolerance].map(|tolerance| tolerance * mean);
-    let (plain, known) = plain_faces(gathering, &places, irradiance, bounced, tolerances, progress)?;
-    let is_not_plain = |mesh: &Mesh, patch: PatchId| plain[mesh.patch(patch).face].is_none();
-    let gathered = refine(gathering, &places, &mut Indirect(irradiance), known, is_not_plain, smooth, progress)?;
-    let indirect = Interpolated::new(gathering, &gathered, &plain);
     let sent = direct.light_sent();
-    let mut total = Total { direct: Direct::new(direct), indirect, bright: &sent.places };
+    let mut total = Total { direct: Direct::new(direct), indirect: light, bright: &sent.places };
     let whole = RefineSettings {
         interpolation: Interpolation::Linear,
         tolerance: LINEAR_SHARE * settings.tolerance,

@@ -35,6 +35,20 @@ impl Surfaces {
         surfaces
     }
 
+    /// Takes each patch's material from its face alone: where direct light is known by other means.
+    pub fn of_materials(scene: &Scene, prepared: &Prepared, mesh: &Mesh) -> Self {
+        let material = |patch: PatchId| &scene.materials[prepared.faces[mesh.patch(patch).face].material];
+        let patches = || mesh.patches().map(|(patch, _)| patch);
+        let nothing = || patches().map(|_| Linear::default()).collect();
+        Self {
+            exitance: patches().map(|patch| material(patch).exitance()).collect(),
+            reflectance: patches().map(|patch| material(patch).reflectance).collect(),
+            direct: nothing(),
+            missed: nothing(),
+            second_moment_m2: patches().map(|patch| polygon::second_moment_m2(&mesh.polygon_2d_m(patch))).collect(),
+        }
+    }
+
     /// Does the same for patches that came since; of those that were split, what links miss stays with them, and is handed down.
     pub fn extend(&mut self, scene: &Scene, prepared: &Prepared, mesh: &Mesh, direct: &DirectLight<'_>) {
         let known = self.exitance.len();

@@ -6,7 +6,7 @@
 //! Direct light carries the shadows; so it never goes over links, whose factors
 //! are linear over patches that may be large. Links carry what is reflected.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use crate::id::{FaceId, LampId, PatchId, Table};
 use crate::mesh::Mesh;
@@ -221,6 +221,15 @@ impl<'a> DirectLight<'a> {
     pub fn of_lamp(&self, lamp: LampId, receiver: &ReceiverPoint) -> Rgb {
         let known = self.memory.at(receiver).and_then(|known| known.sees(lamp));
         self.lamps.of_one(lamp, self.visibility, receiver, known).unwrap_or_default()
+    }
+
+    /// Visits what each lamp brings to a point if nothing stands between, in W/m2, and where a ray to it ends, in metres.
+    pub(crate) fn unoccluded_lamps(&self, receiver: &ReceiverPoint, mut visit: impl FnMut(Rgb, DVec3)) {
+        for (lamp, _) in self.lamps.iter() {
+            if let Some((light, to_m)) = self.lamps.unoccluded(lamp, receiver) {
+                visit(light, to_m);
+            }
+        }
     }
 
     /// Irradiance of those patches that are leaves, in W/m2; zero for those that are split.

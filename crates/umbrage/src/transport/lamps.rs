@@ -83,6 +83,13 @@ impl Lamps {
         receiver: &ReceiverPoint,
         known: Option<bool>,
     ) -> Option<Rgb> {
+        let (light, to_m) = self.unoccluded(id, receiver)?;
+        known.unwrap_or_else(|| visibility.stopper(receiver, to_m, None, None).is_none()).then_some(light)
+    }
+
+    /// Irradiance that one lamp brings to a point if nothing stands between, in W/m2, and where a ray to it ends, in metres; `None`
+    /// where it brings none.
+    pub(super) fn unoccluded(&self, id: LampId, receiver: &ReceiverPoint) -> Option<(Rgb, DVec3)> {
         let lamp = &self.lamps[id];
         let spread = near_surface::spread(lamp, receiver, self.spread_m);
         let light = spread.unwrap_or_else(|| near_surface::unoccluded(lamp, receiver.position_m, receiver.normal));
@@ -94,7 +101,7 @@ impl Lamps {
             LampKind::Point { position_m, .. } | LampKind::Spot { position_m, .. } => position_m,
             LampKind::Directional { direction, .. } => receiver.position_m - self.outside_m * direction,
         };
-        known.unwrap_or_else(|| visibility.stopper(receiver, to_m, None, None).is_none()).then_some(light)
+        Some((light, to_m))
     }
 
     /// The lamps whose light samples of a polygon do not tell: it is large as seen from them, or from where their cone or range ends.

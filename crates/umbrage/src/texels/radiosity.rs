@@ -1,0 +1,191 @@
+//! Radiosity of texels: direct light once, then bounces along rays that are followed once.
+//!
+//! From the point of each texel a few rays leave, distributed as the cosine; each is kept as the texel that it meets. A bounce is then a
+//! sweep over these numbers (Jacobi's iteration on `B = rho (D + G B)`, with `G` of equal entries along rays). What few rays err is
+//! averaged over the hundreds of texels that a point gathers from; of what all together reflect nothing is left of it.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::grid::TexelGrid;
+use super::ray_tree::{Ray, RayTree};
+use super::sequence::{Draws, Sequence, key_of};
+use super::sources::{Sources, Start};
+use crate::id::{FaceId, Table};
+use crate::prepare::Prepared;
+use crate::progress::{Cancelled, Progress, Stage};
+use crate::scene::{Rgb, Scene};
+use crate::transport::DirectLight;
+
+/// Rays from each texel. With 4 what is shown errs a tenth more, with 16 no less.
+const RAYS: usize = 8;
+/// Shadow rays from each texel to each source that matters.
+const SHADOW_RAYS: usize = 2;
+/// Bounces end where one changes less than this share of all light: with a reflectance of 0.9 a tenfold of that is missing.
+const MAX_RESIDUAL: f64 = 1e-5;
+/// Or after so many.
+const MAX_BOUNCES: usize = 400;
+/// A texel is rough where direct light around it varies by this share of the greatest.
+const ROUGH: f32 = 0.2;
+/// A face with fewer texels across is rough, too.
+const FEW_ACROSS: f64 = 3.0;
+/// Texels between two reports of progress.
+const TEXELS_A_REPORT: usize = 1024;
+
+/// A ray that meets no front.
+const NOTHING: u32 = u32::MAX;
+/// Uses of random numbers.
+const OF_SHADOWS: u64 = 2;
+const OF_BOUNCES: u64 = 3;
+
+/// The light of all texels.
+#[derive(Debug)]
+pub struct TexelRadiosity {
+    /// The texels.
+    pub(crate) grid: TexelGrid,
+    /// Direct irradiance of each, in W/m2.
+    pub(crate) direct: Vec<Vec3>,
+    /// Reflected irradiance of each, in W/m2.
+    pub(crate) indirect: Vec<Vec3>,
+    /// Radiosity of each by reflection, in W/m2.
+    pub(crate) reflected: Vec<Vec3>,
+    /// Whether direct light varies much around each.
+    pub(crate) rough: Vec<bool>,
+    /// Reflectance of each face.
+    pub(crate) reflectance: Table<FaceId, Vec3>,
+    /// Mean irradiance over all faces, in W/m2.
+    pub(crate) mean: Rgb,
+    /// What the last bounce changed, as a share of all light.
+    pub(crate) residual: f64,
+    /// Bounces.
+    pub(crate) bounces: usize,
+}
+
+impl TexelRadiosity {
+    /// Solves for the radiosity of all texels.
+    ///
+    /// # Errors
+    /// [`Cancelled`] where the progress callback asks to stop.
+    pub(crate) fn new(
+        scene: &Scene,
+        prepared: &Prepared,
+        direct: &DirectLight<'_>,
+        tree: &RayTree,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let grid = TexelGrid::new(prepared);
+        let texels = grid.texels();
+        let sources = Sources::new(scene, prepared, direct, tree);
+        let start = |number: usize| Start::new(prepared, tree, texels[number].face, texels[number].point_m);
+        let direct = (0..texels.len())
+            .into_par_iter()
+            .map(|number| {
+                if number.is_multiple_of(TEXELS_A_REPORT) {
+                    progress.report(Stage::Solve, number, 2 * texels.len())?;
+                }
+                let mut draws = Draws::new(key_of(number, OF_SHADOWS));
+                Ok(sources.irradiance(&start(number), SHADOW_RAYS, || draws.next()).as_vec3())
+            })
+            .collect::<Result<Vec<Vec3>, Cancelled>>()?;
+        let hits = (0..texels.len())
+            .into_par_iter()
+            .map(|number| {
+                if number.is_multiple_of(TEXELS_A_REPORT) {
+                    progress.report(Stage::Solve, texels.len() + number, 2 * texels.len())?;
+                }
+                let (start, sequence) = (start(number), Sequence::new(key_of(number, OF_BOUNCES)));
+                Ok(std::array::from_fn(|ray| {
+                    let [s, t, ..] = sequence.at(ray);
+                    let ray = Ray { from: start.from, along: start.direction(s, t) };
+                    met(tree, &grid, ray).map_or(NOTHING, |texel| texel as u32)
+                }))
+            })
+            .collect::<Result<Vec<[u32; RAYS]>, Cancelled>>()?;
+        let reflectance: Table<FaceId, Vec3> =
+            prepared.faces.iter().map(|face| scene.materials[face.material].reflectance.as_vec3()).collect();
+        let reflects = |number: usize, light: Vec3| reflectance[texels[number].face] * light;
+        let mut indirect = vec![Vec3::ZERO; texels.len()];
+        let mut reflected: Vec<Vec3> = direct.iter().enumerate().map(|(i, &light)| reflects(i, light)).collect();
+        let (mut residual, mut bounces) = (1.0, 0);
+        while residual > MAX_RESIDUAL && bounces < MAX_BOUNCES {
+            progress.report(Stage::Solve, bounces, 0)?;
+            let arriving = |hits: &[u32; RAYS]| {
+                let brought = hits.iter().filter(|&&hit| hit != NOTHING).map(|&hit| reflected[hit as usize]);
+                brought.sum::<Vec3>() / RAYS as f32
+            };
+            let next: Vec<Vec3> = hits.par_iter().map(arriving).collect();
+            let (mut change, mut all) = (0.0, 0.0);
+            for (number, texel) in texels.iter().enumerate() {
+                let share = |light: Vec3| texel.area_m2 * f64::from(light.element_sum());
+                change += share((next[number] - indirect[number]).abs());
+                all += share(next[number] + direct[number]);
+            }
+            residual = if all > 0.0 { change / all } else { 0.0 };
+            indirect = next;
+            reflected = (0..texels.len()).map(|number| reflects(number, direct[number] + indirect[number])).collect();
+            bounces += 1;
+        }
+        let (mut power, mut area_m2) = (Rgb::ZERO, 0.0);
+        for (number, texel) in texels.iter().enumerate() {
+            power += texel.area_m2 * (direct[number] + indirect[number]).as_dvec3();
+            area_m2 += texel.area_m2;
+        }
+        let rough = rough(prepared, &grid, &direct);
+        let mean = power / area_m2.max(f64::MIN_POSITIVE);
+        tracing::debug!(texels = texels.len(), bounces, residual, "texels");
+        Ok(Self { grid, direct, indirect, reflected, rough, reflectance, mean, residual, bounces })
+    }
+}
+
+/// The texel that a ray meets the front of.
+fn met(tree: &RayTree, grid: &TexelGrid, ray: Ray) -> Option<usize> {
+    let hit = tree.first(ray)?;
+    let face = hit.front?;
+    Some(grid.texel_at(face, ray.from + hit.distance_m * ray.along))
+}
+
+/// Which texels have neighbours whose direct light is much unlike theirs.
+fn rough(prepared: &Prepared, grid: &TexelGrid, direct: &[Vec3]) -> Vec<bool> {
+    let mut rough = vec![false; direct.len()];
+    for face in prepared.faces.keys() {
+        let is_narrow = grid.count(face).map(f64::from).into_iter().fold(f64::INFINITY, f64::min) < FEW_ACROSS;
+        for (texel, around) in grid.neighbourhoods(face) {
+            let lights = around.map(|texel| direct[texel].element_sum());
+            let least = lights.into_iter().fold(f32::INFINITY, f32::min);
+            let most = lights.into_iter().fold(0.0, f32::max);
+            rough[texel] |= is_narrow || most - least > ROUGH * most;
+        }
+    }
+    rough
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Material;
+    use crate::visibility::{Visibility, fixture};
+    use glam::DVec3;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn in_a_furnished_furnace_all_texels_have_the_same_light() {
+        // Everything emits 1 and reflects nine tenths: irradiance is 10 everywhere.
+        let glow = Material { reflectance: Rgb::splat(0.9), ..Material::emitting("glow", Rgb::ONE / PI) };
+        let mut room = fixture::inward_box(DVec3::ZERO, DVec3::new(2.0, 1.5, 1.0));
+        room.extend(fixture::outward_box(DVec3::new(0.5, 0.5, 0.25), DVec3::new(1.0, 1.0, 0.75)));
+        let polygons: Vec<_> = room.into_iter().map(|polygon| (polygon, 0)).collect();
+        let (prepared, scene) = (fixture::prepared_of_materials(&polygons), fixture::scene(vec![glow]));
+        let visibility = Visibility::new(&prepared);
+        let direct = DirectLight::new(&scene, &prepared, &visibility);
+        let tree = RayTree::new(&prepared);
+        let light = TexelRadiosity::new(&scene, &prepared, &direct, &tree, Progress::silent()).unwrap();
+        let area_m2: f64 = light.grid.texels().iter().map(|texel| texel.area_m2).sum();
+        let of_direct = light.grid.texels().iter().zip(&light.direct).map(|(texel, light)| texel.area_m2 * f64::from(light.x)).sum::<f64>() / area_m2;
+        eprintln!("direct {of_direct}");
+        assert!((light.mean.x / 10.0 - 1.0).abs() < 2e-3, "{}", light.mean);
+        let errs = |number: &usize| (light.direct[*number] + light.indirect[*number]).x - 10.0;
+        let squared: f32 = (0..light.direct.len()).map(|number| errs(&number).powi(2)).sum();
+        // What is left is what two shadow rays to each face err.
+        assert!((squared / light.direct.len() as f32).sqrt() < 1.0);
+    }
+}
