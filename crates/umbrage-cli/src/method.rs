@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::Args;
 use serde_json::Map;
-use umbrage::bake::{BakeSettings, Report};
+use umbrage::bake::{BakeSettings, GatherKind, Report};
 use umbrage::mesh::SplitScore;
 use umbrage::prepare::PrepareSettings;
 use umbrage::shade::ShadeSettings;
@@ -40,6 +40,10 @@ pub struct MethodArgs {
     /// takes long [default: brightness]
     #[arg(long, value_name = "ORACLE")]
     oracle: Option<OracleKind>,
+    /// How reflected light is gathered: `faces` looks at every face from every point, exactly, `regression` fits it to samples
+    /// along rays, `fastest` takes what is expected to be faster [default: fastest]
+    #[arg(long, value_name = "GATHER")]
+    gather: Option<GatherKind>,
     /// What makes a good cut of a patch: `eq1` is Eq. (1) of the paper as printed, `well-shaped` also shuns slivers
     /// [default: well-shaped]
     #[arg(long, value_name = "SCORE")]
@@ -118,6 +122,7 @@ impl MethodArgs {
             min_area_m2: self.min_area.or(default.min_area_m2),
             oracle: self.oracle.unwrap_or_default(),
             score: self.score.unwrap_or_default(),
+            gather: self.gather.unwrap_or_default(),
             mend_bad_shapes: !self.keep_bad_shapes,
             prepare: PrepareSettings {
                 cut_contacts: !(self.no_intersect || self.no_discontinuities),

@@ -40,7 +40,7 @@ use crate::visibility::{AtPoints, Memory, Notes, Visibility};
 
 use crate::bake_warning::Figures;
 pub use crate::bake_warning::{BakeWarning, MAX_ENERGY_ERROR, MAX_ERROR_ESTIMATE, MAX_RESIDUAL};
-pub use crate::settings::BakeSettings;
+pub use crate::settings::{BakeSettings, GatherKind, ParseGatherError};
 use crate::settings::triangles_needed;
 
 /// What a bake did.

@@ -1,5 +1,8 @@
 //! How a scene is baked: what a caller may ask for, and what follows from the tolerance where nothing is asked.
 
+use std::fmt;
+use std::str::FromStr;
+
 use crate::geometry::polygon;
 use crate::mesh::{MeshSettings, SplitScore};
 use crate::prepare::{PrepareSettings, Prepared};
@@ -42,6 +45,30 @@ pub enum GatherKind {
     Faces,
     /// Fits to scattered samples, from texels.
     Regression,
+}
+
+impl fmt::Display for GatherKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Fastest => "fastest",
+            Self::Faces => "faces",
+            Self::Regression => "regression",
+        })
+    }
+}
+
+/// The name is that of no way to gather light.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no gather {0:?}: use fastest, faces or regression")]
+pub struct ParseGatherError(String);
+
+impl FromStr for GatherKind {
+    type Err = ParseGatherError;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let all = [Self::Fastest, Self::Faces, Self::Regression];
+        all.into_iter().find(|kind| kind.to_string() == name).ok_or_else(|| ParseGatherError(name.to_owned()))
+    }
 }
 
 /// How a scene is baked.
