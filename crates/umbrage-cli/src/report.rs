@@ -166,7 +166,7 @@ struct Counts {
     patches: usize,
     leaves: usize,
     links: usize,
-    rays: Option<usize>,
+    samples: Option<usize>,
     vertices: usize,
     triangles: usize,
 }
@@ -260,7 +260,7 @@ impl<'a> File<'a> {
                 patches: report.patches,
                 leaves: report.leaves,
                 links: report.links,
-                rays: report.rays,
+                samples: report.samples,
                 vertices: written.vertices,
                 triangles: written.triangles,
             },

@@ -51,8 +51,8 @@ pub(crate) fn summary(
     let a_leaf = report.links_a_leaf();
     line(
         "links",
-        match report.rays {
-            Some(rays) => format!("none: indirect light is gathered along {} rays at each point", grouped(rays)),
+        match report.samples {
+            Some(samples) => format!("none: reflected light is fitted to {} samples", grouped(samples)),
             None => format!("{}: {a_leaf:.1} for each patch that is not split{each}", grouped(report.links)),
         },
     );
@@ -107,10 +107,11 @@ fn error(report: &Report) -> String {
     if report.error > MAX_ERROR_ESTIMATE {
         return "unknown between vertices: the triangles do not resolve the light".into();
     }
-    format!(
-        "{}, between vertices (estimate; `umbrage verify` measures it there and at vertices)",
-        share_of_mean(report)
-    )
+    let of = match report.samples {
+        Some(_) => "between vertices and by the fit of reflected light (estimate; `umbrage verify` measures it)",
+        None => "between vertices (estimate; `umbrage verify` measures it there and at vertices)",
+    };
+    format!("{}, {of}", share_of_mean(report))
 }
 
 /// The estimated error as a share of the mean irradiance, with the sides that the mean is over.

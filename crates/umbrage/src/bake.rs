@@ -22,8 +22,8 @@ use std::time::Instant;
 use glam::DVec3;
 
 use crate::discontinuity::{self, DSegment, Discontinuities, Reflecting};
-use crate::hidden;
 use crate::geometry::polygon;
+use crate::hidden;
 use crate::id::{DSegmentId, FaceId, PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::{PrepareError, PrepareReport, PrepareSettings, Prepared};
@@ -40,8 +40,8 @@ use crate::visibility::{AtPoints, Memory, Notes, Visibility};
 
 use crate::bake_warning::Figures;
 pub use crate::bake_warning::{BakeWarning, MAX_ENERGY_ERROR, MAX_ERROR_ESTIMATE, MAX_RESIDUAL};
-pub use crate::settings::{BakeSettings, GatherKind, ParseGatherError};
 use crate::settings::triangles_needed;
+pub use crate::settings::{BakeSettings, GatherKind, ParseGatherError};
 
 /// What a bake did.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -60,10 +60,10 @@ pub struct Report {
     pub compactness: [f64; 2],
     /// Of these, the ones that are not split.
     pub leaves: usize,
-    /// Links between patches; none where indirect light is gathered along rays.
+    /// Links between patches; none where reflected light is fitted to samples.
     pub links: usize,
-    /// Along how many rays it is gathered at each point, if not from each face.
-    pub rays: Option<usize>,
+    /// How many samples reflected light is fitted to, if it is not gathered from faces.
+    pub samples: Option<usize>,
     /// Wall time of deciding on links, with the splits that this takes, and of finding their form factors, in seconds.
     pub linking_s: f64,
     /// Vertices of the baked mesh.
@@ -305,12 +305,8 @@ pub(crate) fn solve<'a>(
             (solve::solve(mesh, &surfaces, links, settings.solve, progress)?, Cow::Borrowed(*bounced))
         }
         _ => {
-            let bouncing = Bouncing {
-                solve: settings.solve,
-                tolerance: settings.shade.tolerance,
-                coarser: settings.coarseness(),
-                rays: settings.rays(prepared),
-            };
+            let bouncing =
+                Bouncing { solve: settings.solve, tolerance: settings.shade.tolerance, coarser: settings.coarseness() };
             let room = Room { scene, prepared, visibility, direct: &direct, links };
             let (solution, bounced) = shade::bounce(room, bouncing, mesh, &mut surfaces, before.bounced(), progress)?;
             (solution, Cow::Owned(bounced))
@@ -348,7 +344,6 @@ pub(crate) fn show(
 
     let light = Irradiance::new(prepared, visibility, mesh, &solution.reflected, solution.mean_irradiance(mesh))
         .coarser(settings.coarser_to_be_shown())
-        .along_rays(settings.rays(prepared))
         .with_memory(before.gathered());
     let indirect = match &texels {
         Some((tree, light)) => IndirectLight::Sampled { tree, light },
@@ -387,7 +382,7 @@ pub(crate) fn show(
         compactness: compactness_of(mesh),
         leaves: mesh.leaves().count(),
         links: links.len(),
-        rays: settings.rays(prepared),
+        samples: shaded.samples,
         linking_s: clock.linking_s,
         vertices: shaded.mesh.vertex_count(),
         triangles: shaded.mesh.triangle_count(),
@@ -548,16 +543,16 @@ pub(crate) fn link(
     let mesh_settings = settings.mesh(discontinuities.mean_irradiance);
     let mut mesh = Mesh::new(&prepared, &discontinuities.segments, mesh_settings);
     let form_factor = settings.form_factor_oracle(&prepared);
-    let rays = settings.fits_samples(&prepared).then_some(());
+    let fits_samples = settings.fits_samples(&prepared);
     let brightness = match settings.oracle {
-        OracleKind::Brightness if rays.is_none() => {
+        OracleKind::Brightness if !fits_samples => {
             BrightnessOracle::new(form_factor, scene, &prepared, &visibility, &mesh)
         }
         _ => None,
     };
     let begin = Instant::now();
     let links = match brightness {
-        None if rays.is_some() => {
+        None if fits_samples => {
             transport::subdivide_all(&prepared, &visibility, &mut mesh, &form_factor, progress)?;
             Links::default()
         }
@@ -583,8 +578,7 @@ fn near_edges_of(scene: &Scene, prepared: &Prepared) -> Vec<DSegment> {
         scene.surfaces[face.surface].baked && !scene.materials[face.material].emits()
     };
     let area_m2: f64 = prepared.faces.keys().map(|face| polygon::area_m2(&prepared.polygon_m(face))).sum();
-    let least_m = (shade::LEAST_OF_FIT * area_m2).sqrt();
-    discontinuity::contacts_and_near_edges(prepared, least_m, receives)
+    discontinuity::contacts_and_near_edges(prepared, shade::least_of_fit_m(area_m2), receives)
 }
 
 /// What every patch that is not split reflects, for the secondary sources.

@@ -64,10 +64,10 @@ impl Groundwork {
         Ok(())
     }
 
-    /// Whether bakes with two settings gather reflected light in the same way, from faces or along rays: if not, what one takes
+    /// Whether bakes with two settings gather reflected light in the same way, from faces or from samples: if not, what one takes
     /// says little of what the other will.
     pub fn gathers_alike(&self, one: &BakeSettings, other: &BakeSettings) -> bool {
-        one.rays(&self.prepared).is_some() == other.rays(&self.prepared).is_some()
+        one.fits_samples(&self.prepared) == other.fits_samples(&self.prepared)
     }
 
     /// Bakes the scene that this is of. d-segments that were not found for settings as fine are found anew, and not kept.

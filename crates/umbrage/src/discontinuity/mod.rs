@@ -40,9 +40,9 @@ mod wedge;
 
 pub use bright_part::Reflecting;
 pub use contact::is_contact;
-pub use near_edges::contacts_and_near_edges;
 pub use d_segment::{DSegment, Degree, Event};
 pub use emitter::Emitter;
 pub use features::Features;
 pub use find::{Discontinuities, at_least, find};
+pub use near_edges::{contacts_and_near_edges, has_near_edges};
 pub use secondary::find_secondary;

@@ -44,11 +44,15 @@ pub fn contacts_and_near_edges(
     segments
 }
 
+/// Whether any outline is close before a face.
+pub fn has_near_edges(prepared: &Prepared, least_m: f64) -> bool {
+    !near_edges(prepared, least_m, |_| true).is_empty()
+}
+
 /// The outlines close before the faces that show light, where things smaller than `least_m` are not resolved.
 fn near_edges(prepared: &Prepared, least_m: f64, receives: impl Fn(FaceId) -> bool + Sync) -> Vec<DSegment> {
-    let outline = |faces: &[FaceId]| {
-        !(faces.len() == 2 && prepared.normal(faces[0]).dot(prepared.normal(faces[1])) > FLAT)
-    };
+    let outline =
+        |faces: &[FaceId]| !(faces.len() == 2 && prepared.normal(faces[0]).dot(prepared.normal(faces[1])) > FLAT);
     let boxes = prepared.edges.iter_enumerated().filter(|(_, edge)| outline(&edge.faces)).map(|(id, edge)| {
         let [p, q] = edge.ends.map(|end| prepared.vertices_m[end].to_array());
         GeomWithData::new(Rectangle::from_corners(p, q), id)
@@ -82,7 +86,8 @@ fn before(prepared: &Prepared, edges: &Edges, face: FaceId, least_m: f64) -> Vec
             return None;
         }
         // Seen along the normal it must be an outline.
-        let leans = |way: f64| edge.faces.iter().all(|&other| way * prepared.normal(other).dot(plane.normal) > SIDEWAYS);
+        let leans =
+            |way: f64| edge.faces.iter().all(|&other| way * prepared.normal(other).dot(plane.normal) > SIDEWAYS);
         if edge.faces.len() >= 2 && (leans(1.0) || leans(-1.0)) {
             return None;
         }
@@ -101,8 +106,13 @@ fn before(prepared: &Prepared, edges: &Edges, face: FaceId, least_m: f64) -> Vec
         let top_m = upper.min(hint_m);
         let degree = if top_m <= near_m { Degree::D0 } else { Degree::D1 };
         let strength = 1.0 / top_m;
-        (ends_m[0].distance(ends_m[1]) >= short_m)
-            .then_some(DSegment { face, ends_m, degree, strength, event: Event::Contact { edge: id } })
+        (ends_m[0].distance(ends_m[1]) >= short_m).then_some(DSegment {
+            face,
+            ends_m,
+            degree,
+            strength,
+            event: Event::Contact { edge: id },
+        })
     };
     found.iter().filter_map(segment).collect()
 }
@@ -122,7 +132,11 @@ mod tests {
         let on_wall = |gap_m: f64| {
             let polygons: Vec<_> = std::iter::once(wall.clone()).chain(plate(gap_m)).collect();
             let prepared = fixture::prepared(&polygons);
-            let face = prepared.faces.keys().find(|&face| prepared.polygon_m(face).iter().all(|p| (p + prepared.origin_m).z.abs() < 1e-6)).unwrap();
+            let face = prepared
+                .faces
+                .keys()
+                .find(|&face| prepared.polygon_m(face).iter().all(|p| (p + prepared.origin_m).z.abs() < 1e-6))
+                .unwrap();
             let found: Vec<DSegment> =
                 near_edges(&prepared, 0.01, |_| true).into_iter().filter(|segment| segment.face == face).collect();
             let length: f64 = found.iter().map(DSegment::length_m).sum();

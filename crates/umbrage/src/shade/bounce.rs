@@ -7,9 +7,6 @@
 //! Stetter, *The defect correction principle and discretization methods*, 1978). What a point sees of which patch is found once,
 //! and kept as the terms of a sum ([`super::bounced`]); so later bounces cost next to nothing.
 //!
-//! Where there are too many faces to look at each of them from each leaf, there are no links, and light is gathered along rays
-//! ([`super::hemisphere`]). Which patches these meet does not depend on the light; so those of one gathering tell all bounces.
-//!
 //! In a narrow gap links may err so much that corrections swing without end. Then light bounces by the exact sums alone,
 //! `B = rho (D + G B)`, slower and surely, since no surface reflects all.
 //!
@@ -72,8 +69,6 @@ pub struct Bouncing {
     pub tolerance: f64,
     /// How many times as much light may err as at the default tolerance.
     pub coarser: f64,
-    /// Along how many rays light is gathered, where there are so many faces that looking at each of them takes longer.
-    pub rays: Option<usize>,
 }
 
 /// Solves for what leaves exactly receive of what they reflect, and splits those over which that is too uneven. What links
@@ -100,10 +95,10 @@ pub fn bounce(
     for gathering in 0..MOST_GATHERINGS {
         let (sources, looked_at) = (mesh.clone(), solution.clone());
         let mean = looked_at.mean_irradiance(&sources);
-        let least = if gathering == 0 && bouncing.rays.is_none() { LEAST_LIT * mean } else { Rgb::ZERO };
+        let least = if gathering == 0 { LEAST_LIT * mean } else { Rgb::ZERO };
         let reflected = lit_at_least(&looked_at, surfaces, least);
         let light = Irradiance::new(prepared, visibility, &sources, &reflected, mean).coarser(bouncing.coarser);
-        let light = light.along_rays(bouncing.rays).with_memory(known.map_or(Memory::None, Memory::Known));
+        let light = light.with_memory(known.map_or(Memory::None, Memory::Known));
         let evenness = Evenness { reflectance: &surfaces.reflectance, tolerance: bouncing.tolerance, in_middles_alone };
         bounced_light = BouncedLight::gather(bounced_light, mesh, &places, &light, evenness, progress)?;
         let has_split = mesh.patch_count() > sources.patch_count();
@@ -122,11 +117,10 @@ pub fn bounce(
         if is_settled || progress.is_hurried() {
             break;
         }
-        // Which patches rays see does not depend on what these reflect.
-        if bouncing.rays.is_none() && change >= LIKE {
+        if change >= LIKE {
             bounced_light = BouncedLight::default();
         }
-        in_middles_alone &= bouncing.rays.is_none() && change >= LIKE && gathering + 1 < MOST_IN_MIDDLES;
+        in_middles_alone &= change >= LIKE && gathering + 1 < MOST_IN_MIDDLES;
     }
     Ok((solution, bounced_light.into_points()))
 }
@@ -210,7 +204,7 @@ mod tests {
             (mesh.leaves().map(squared).sum::<f64>() / area_m2).sqrt() / 2.0
         };
         let room = Room { scene: &scene, prepared: &prepared, visibility: &index, direct: &direct, links: &links };
-        let bouncing = Bouncing { solve: settings, tolerance: f64::INFINITY, coarser: 1.0, rays: None };
+        let bouncing = Bouncing { solve: settings, tolerance: f64::INFINITY, coarser: 1.0 };
         let linked = solve::solve(&mesh, &surfaces, &links, settings, Progress::silent()).unwrap();
         let linked = error(&mesh, &linked);
         let (bounced, _) = bounce(room, bouncing, &mut mesh, &mut surfaces, None, Progress::silent()).unwrap();

@@ -36,8 +36,6 @@ pub(super) struct Element {
     /// Mean square of how far the field departs from the parabola through corners and middles at [`MORE_PROBES`], where it was
     /// looked at there; or of how much more light than that falls on its bright places.
     between: Rgb,
-    /// Mean variance of what the values at its corners err by chance.
-    variance: f32,
     /// Whether it ends in a corner of a contact, where the field has no one value.
     at_contact_corner: bool,
 }
@@ -45,9 +43,6 @@ pub(super) struct Element {
 /// Where an element is looked at inside: barycentric coordinates. On a face that is lit evenly all around, the points of the
 /// parabola alone, and the centroid, may be right by symmetry; this point is on no axis of it.
 const PROBE: [f64; 3] = [0.45, 0.33, 0.22];
-/// What a field departs by chance from the parabola through values that err by chance has this many times their variance: 1.6 times
-/// the square, of which no more than a tenth of all cases is three times as much.
-const BY_CHANCE: f64 = 5.0;
 /// Where else a large element is looked at.
 const MORE_PROBES: [[f64; 3]; 2] = [[0.1, 0.7, 0.2], [0.2, 0.1, 0.7]];
 
@@ -131,9 +126,8 @@ impl Outlined {
             };
             let shown = |[p, q, r]: [f64; 3]| p * at[0] + q * at[1] + r * at[2] + parabola([p, q, r], &bulges);
             let between = between.max(closer.missed_squared([a, b, c], shown));
-            let variance = (corners.iter().map(|&corner| values.variance(corner)).sum::<f64>() / 3.0) as f32;
             let inside = departure(PROBE);
-            Some(Element { area_m2, vertices, corners, bulges, inside, between, variance, at_contact_corner })
+            Some(Element { area_m2, vertices, corners, bulges, inside, between, at_contact_corner })
         };
         self.triangles.iter().filter_map(element).collect()
     }
@@ -222,7 +216,7 @@ impl Element {
     /// Square of what quadratic interpolation errs where it was looked at, beyond what may be by chance, per colour.
     pub(super) fn quadratic_error_squared(&self) -> Rgb {
         let inside = self.inside - parabola(PROBE, &self.bulges);
-        ((inside * inside).max(self.between) - Rgb::splat(BY_CHANCE * f64::from(self.variance))).max(Rgb::ZERO)
+        (inside * inside).max(self.between)
     }
 }
 
@@ -259,7 +253,6 @@ mod tests {
             bulges,
             inside: Rgb::ZERO,
             between: Rgb::ZERO,
-            variance: 0.0,
             at_contact_corner: false,
         };
         let shifts = [0.2, -0.4, 0.1].map(Rgb::splat);

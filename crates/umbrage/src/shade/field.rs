@@ -51,11 +51,6 @@ pub(super) trait Field: Sync {
 
     /// Irradiance at a point of `patch`, in W/m2.
     fn at(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> Rgb;
-
-    /// The same, and the variance of what it errs there by chance, over the three colours, in W2/m4.
-    fn with_variance(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> (Rgb, f64) {
-        (self.at(mesh, point, patch), 0.0)
-    }
 }
 
 /// The side that a value belongs to.
@@ -221,8 +216,6 @@ fn distinct(mut requests: Vec<Request>) -> Vec<Request> {
 pub(super) struct Values {
     numbers: FxHashMap<MeshPoint, u32>,
     values: Vec<Rgb>,
-    /// Of what the first of them err by chance; no others do.
-    variances: Vec<f32>,
 }
 
 impl Values {
@@ -234,11 +227,6 @@ impl Values {
     /// The number of a point that was evaluated.
     pub(super) fn number(&self, key: &MeshPoint) -> Option<u32> {
         self.numbers.get(key).copied()
-    }
-
-    /// The variance of what a value errs by chance, in W2/m4.
-    pub(super) fn variance(&self, number: u32) -> f64 {
-        self.variances.get(number as usize).copied().map_or(0.0, f64::from)
     }
 
     /// All values, by number.
@@ -270,15 +258,11 @@ impl Values {
                 if number.is_multiple_of(POINTS_A_REPORT) {
                     progress.report(stage, known + number, 0)?;
                 }
-                Ok(field.with_variance(mesh, &request.point, request.patch))
+                Ok(field.at(mesh, &request.point, request.patch))
             })
-            .collect::<Result<Vec<(Rgb, f64)>, Cancelled>>()?;
+            .collect::<Result<Vec<Rgb>, Cancelled>>()?;
         self.numbers.extend(requests.iter().enumerate().map(|(i, request)| (request.key, (known + i) as u32)));
-        if values.iter().any(|&(_, variance)| variance > 0.0) {
-            self.variances.resize(known, 0.0);
-            self.variances.extend(values.iter().map(|&(_, variance)| variance as f32));
-        }
-        self.values.extend(values.into_iter().map(|(value, _)| value));
+        self.values.extend(values);
         Ok(())
     }
 }

@@ -53,8 +53,6 @@ pub struct Irradiance<'a> {
     pub(super) mean: f64,
     /// Where a patch is weak, by what it could bring, in W/m2.
     pub(super) weak: f64,
-    /// Along how many rays light is gathered, if not from each face.
-    rays: Option<usize>,
     memory: Memory<'a, Terms>,
 }
 
@@ -99,18 +97,13 @@ impl<'a> Irradiance<'a> {
         });
         let (mean, memory) = (mean.element_sum() / 3.0, Memory::None);
         let weak = WEAK_OF_MEAN * mean;
-        Self { prepared, visibility, mesh, reflected, crowds, most, sources, mean, weak, rays: None, memory }
+        Self { prepared, visibility, mesh, reflected, crowds, most, sources, mean, weak, memory }
     }
 
     /// The same, for light that may err so many times what it may at the default tolerance: what is weak or a trifle may be so much
     /// brighter.
     pub fn coarser(self, times: f64) -> Self {
         Self { weak: times * self.weak, reflected: self.reflected.coarser(times), ..self }
-    }
-
-    /// The same, which gathers along so many rays, if any number is given, and not from each face.
-    pub fn along_rays(self, rays: Option<usize>) -> Self {
-        Self { rays, ..self }
     }
 
     /// The same, which looks into `memory` for what points see of the patches, or notes it there.
@@ -121,20 +114,12 @@ impl<'a> Irradiance<'a> {
     /// Irradiance by reflection, in W/m2, at a point; below zero where what is reflected falls so steeply that its linear fit
     /// does.
     pub fn indirect(&self, receiver: &ReceiverPoint) -> Rgb {
-        if self.rays.is_some() || !matches!(self.memory, Memory::None) {
+        if !matches!(self.memory, Memory::None) {
             return self.of_terms(receiver, |terms| self.sum_of(terms));
         }
         let mut sum = Rgb::ZERO;
         let crowds = Gathering::new(self, receiver, |term| sum += self.reflected.of(&term)).gather();
         sum + crowds.iter().map(|term| term.of(&self.crowds)).sum::<Rgb>()
-    }
-
-    /// The same, and the variance of what it errs, over the three colours, in W2/m4: it is 0 where light is not gathered along rays.
-    pub(super) fn indirect_and_variance(&self, receiver: &ReceiverPoint) -> (Rgb, f64) {
-        if self.rays.is_none() {
-            return (self.indirect(receiver), 0.0);
-        }
-        self.of_terms(receiver, |terms| (self.sum_of(terms), self.variance_of(terms)))
     }
 
     /// The terms of which irradiance by reflection at a point is the sum, for other light that patches reflect about as much of.
@@ -149,30 +134,14 @@ impl<'a> Irradiance<'a> {
         }
     }
 
-    /// The variance of a sum of terms that were found along rays, over the three colours, in W2/m4: what each of them brings is as
-    /// likely as that of any other.
-    pub(super) fn variance_of(&self, terms: &Terms) -> f64 {
-        let Some(rays) = self.rays else { return 0.0 };
-        let (mut sum, mut squared) = (0.0, 0.0);
-        for term in &terms.of_patches {
-            let (share, brought) = (f64::from(term.factor), self.reflected.of(term).element_sum() / 3.0);
-            sum += brought;
-            squared += brought * brought / share;
-        }
-        (squared - sum * sum) / rays as f64
-    }
-
     /// Irradiance by reflection where these are the terms, in W/m2.
     pub(super) fn sum_of(&self, terms: &Terms) -> Rgb {
         terms.sum(self.reflected.radiosity(), &self.crowds)
     }
 
     /// Terms that were found before patches were split, with those of faces anew that are not as good now: where what is split is
-    /// neither linear nor little of what is seen. What was found along rays stays as it is.
+    /// neither linear nor little of what is seen.
     pub(super) fn renewed(&self, receiver: &ReceiverPoint, terms: &Terms) -> Terms {
-        if self.rays.is_some() {
-            return terms.clone();
-        }
         let face = |term: &Term| self.mesh.patch(term.patch).face;
         let is_stale = |of_patch: &&[Term]| {
             let factor: f64 = of_patch.iter().map(|term| f64::from(term.factor)).sum();
@@ -218,9 +187,6 @@ impl<'a> Irradiance<'a> {
     }
 
     fn find_terms(&self, receiver: &ReceiverPoint) -> Terms {
-        if let Some(rays) = self.rays {
-            return self.terms_along_rays(receiver, rays);
-        }
         let mut of_patches = Vec::new();
         let of_crowds = Gathering::new(self, receiver, |term| of_patches.push(term)).gather();
         Terms { of_patches: of_patches.into_boxed_slice(), of_crowds: of_crowds.into_boxed_slice() }
@@ -240,11 +206,6 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// Of patches alone.
-    pub(super) fn of_patches(of_patches: Box<[Term]>) -> Self {
-        Self { of_patches, of_crowds: Box::default() }
-    }
-
     /// Whether all that is named is among so many patches and clusters, in a scene of this extent: where terms come from a file, it must be
     /// checked.
     pub fn fits(&self, (patches, clusters): (usize, usize), extent_m: f64) -> bool {
@@ -287,10 +248,6 @@ pub(super) struct Indirect<'a>(pub(super) &'a Irradiance<'a>);
 impl Field for Indirect<'_> {
     fn at(&self, _: &Mesh, point: &ReceiverPoint, _: PatchId) -> Rgb {
         self.0.indirect(point)
-    }
-
-    fn with_variance(&self, _: &Mesh, point: &ReceiverPoint, _: PatchId) -> (Rgb, f64) {
-        self.0.indirect_and_variance(point)
     }
 }
 

@@ -38,11 +38,6 @@ impl Field for Bounced<'_> {
     fn at(&self, _: &Mesh, point: &ReceiverPoint, _: PatchId) -> Rgb {
         self.bounced.get(point).map_or_else(|| self.light.indirect(point), |terms| self.light.sum_of(terms))
     }
-
-    fn with_variance(&self, _: &Mesh, point: &ReceiverPoint, _: PatchId) -> (Rgb, f64) {
-        let known = |terms| (self.light.sum_of(terms), self.light.variance_of(terms));
-        self.bounced.get(point).map_or_else(|| self.light.indirect_and_variance(point), known)
-    }
 }
 
 /// A face, as the points tell its light.
@@ -177,7 +172,7 @@ mod tests {
         let mut surfaces = Surfaces::new(&scene, &prepared, &mesh, &direct);
         let room = Room { scene: &scene, prepared: &prepared, visibility: &index, direct: &direct, links: &links };
         let solve = SolveSettings { max_residual: 1e-6, max_iterations: 99 };
-        let bouncing = Bouncing { solve, tolerance: bounced_to, coarser: 1.0, rays: None };
+        let bouncing = Bouncing { solve, tolerance: bounced_to, coarser: 1.0 };
         let (solution, bounced) = bounce(room, bouncing, &mut mesh, &mut surfaces, None, Progress::silent()).unwrap();
         let mean = solution.mean_irradiance(&mesh);
         let light = Irradiance::new(&prepared, &index, &mesh, &solution.reflected, mean);

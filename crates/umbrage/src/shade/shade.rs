@@ -74,7 +74,8 @@ impl Default for ShadeSettings {
 pub struct Shaded {
     /// Triangles and the light of their vertices.
     pub mesh: BakedMesh,
-    /// Estimated root mean square error of interpolation over the mean irradiance.
+    /// Estimated root mean square error over the mean irradiance: that of interpolation, and that of the fit where reflected light is
+    /// fitted to samples.
     pub error: f64,
     /// Triangles flat as a needle that were taken out.
     pub flat_triangles: usize,
@@ -82,6 +83,8 @@ pub struct Shaded {
     pub uncut: usize,
     /// What becomes of the light of each lamp that gives any.
     pub lamps: Vec<LampAccount>,
+    /// How many samples reflected light was fitted to, if it was.
+    pub samples: Option<usize>,
 }
 
 /// Indirect light as a function of the place.
@@ -210,6 +213,10 @@ pub fn shade(
             Indirect::Fitted(regress(from, gathering.clone(), &places, is_shown, settings, progress)?)
         }
     };
+    let (samples, of_fit) = match &light {
+        Indirect::Fitted(light) => (Some(light.samples), light.error),
+        Indirect::Interpolated(_) => (None, 0.0),
+    };
     let sent = direct.light_sent();
     let mut total = Total { direct: Direct::new(direct), indirect: light, bright: &sent.places };
     let whole = RefineSettings {
@@ -229,7 +236,7 @@ pub fn shade(
     mesh.triangulate();
     let lighting = Lighting { known: &values, irradiance: &total };
     let (mesh, flat_triangles) = assemble(scene, prepared, mesh, &places, lighting, most, progress)?;
-    Ok(Shaded { mesh, error, flat_triangles, uncut, lamps })
+    Ok(Shaded { mesh, error: error.hypot(of_fit), flat_triangles, uncut, lamps, samples })
 }
 
 /// The mesh that carried transport, if it is no more than `most` triangles with its hard shadows cut: as the paper shows it. Else

@@ -180,7 +180,8 @@ impl TexelGrid {
             .collect();
         let mut grid = Self { faces: Table::new(), cells: Vec::new(), texels: Vec::new(), side_m };
         for (layout, (count, texels, cells)) in layouts.iter().zip(of_faces) {
-            let per_m = DVec2::new(count[0].into(), count[1].into()) / layout.size_m.max(DVec2::splat(f64::MIN_POSITIVE));
+            let per_m =
+                DVec2::new(count[0].into(), count[1].into()) / layout.size_m.max(DVec2::splat(f64::MIN_POSITIVE));
             grid.faces.push(FaceGrid {
                 corner: layout.corner_m.as_vec3(),
                 axes: layout.axes.map(|axis| axis.as_vec3()),

@@ -180,7 +180,14 @@ mod tests {
         let tree = RayTree::new(&prepared);
         let light = TexelRadiosity::new(&scene, &prepared, &direct, &tree, Progress::silent()).unwrap();
         let area_m2: f64 = light.grid.texels().iter().map(|texel| texel.area_m2).sum();
-        let of_direct = light.grid.texels().iter().zip(&light.direct).map(|(texel, light)| texel.area_m2 * f64::from(light.x)).sum::<f64>() / area_m2;
+        let of_direct = light
+            .grid
+            .texels()
+            .iter()
+            .zip(&light.direct)
+            .map(|(texel, light)| texel.area_m2 * f64::from(light.x))
+            .sum::<f64>()
+            / area_m2;
         eprintln!("direct {of_direct}");
         assert!((light.mean.x / 10.0 - 1.0).abs() < 2e-3, "{}", light.mean);
         let errs = |number: &usize| (light.direct[*number] + light.indirect[*number]).x - 10.0;

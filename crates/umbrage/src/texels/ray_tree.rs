@@ -126,11 +126,6 @@ impl RayTree {
         tree
     }
 
-    /// How far before faces rays start, in metres.
-    pub(crate) fn off_face_m(&self) -> f32 {
-        self.off_face_m
-    }
-
     /// Where a ray starts that leaves a point of a face in the direction of its normal.
     pub(crate) fn start(&self, at_m: DVec3, normal: DVec3) -> Vec3 {
         (at_m + f64::from(self.off_face_m) * normal).as_vec3()
@@ -348,9 +343,9 @@ fn triangles_of(prepared: &Prepared) -> Vec<Triangle> {
         let mut boundary: Vec<VertexId> = prepared.boundary(face).collect();
         boundary.sort_unstable();
         let sheet = *sheets.entry(boundary).or_insert(faces.len());
-        let is_other_side = faces.get(sheet).is_some_and(|&(front, back)| {
-            back.is_none() && prepared.normal(front).dot(prepared.normal(face)) < 0.0
-        });
+        let is_other_side = faces
+            .get(sheet)
+            .is_some_and(|&(front, back)| back.is_none() && prepared.normal(front).dot(prepared.normal(face)) < 0.0);
         if is_other_side {
             faces[sheet].1 = Some(face);
         } else {
@@ -359,7 +354,8 @@ fn triangles_of(prepared: &Prepared) -> Vec<Triangle> {
     }
     let mut triangles = Vec::new();
     for (front, back) in faces {
-        let boundary: Vec<Vec3> = prepared.boundary(front).map(|vertex| prepared.vertices_m[vertex].as_vec3()).collect();
+        let boundary: Vec<Vec3> =
+            prepared.boundary(front).map(|vertex| prepared.vertices_m[vertex].as_vec3()).collect();
         let sides = [front.index() as u32, back.map_or(NONE, |back| back.index() as u32)];
         let mut push = |corners: [Vec3; 3]| triangles.push(Triangle { corners, faces: sides });
         if boundary.len() == prepared.faces[front].sides.len() {
@@ -426,8 +422,7 @@ mod tests {
     fn nothing_slips_through_shared_edges() {
         // A floor of many triangles around one point.
         let rim = |i: u32| DVec3::new((f64::from(i) * 0.7).cos(), (f64::from(i) * 0.7).sin(), 0.0);
-        let fan: Vec<_> =
-            (0..8).map(|i| [DVec3::ZERO, rim(i), rim(i + 1)].map(fixture::f32_point).to_vec()).collect();
+        let fan: Vec<_> = (0..8).map(|i| [DVec3::ZERO, rim(i), rim(i + 1)].map(fixture::f32_point).to_vec()).collect();
         let prepared = fixture::prepared(&fan);
         let tree = RayTree::new(&prepared);
         for i in 0..5_000_u32 {

@@ -25,12 +25,6 @@ impl Sequence {
         let seed = mix(self.key ^ ((number / POINTS_OF_SEED) as u64) << 40) as u32;
         sobol_burley::sample_4d((number % POINTS_OF_SEED) as u32, 0, seed)
     }
-
-    /// Four more dimensions of it.
-    pub(crate) fn more_at(&self, number: usize) -> [f32; 4] {
-        let seed = mix(self.key ^ ((number / POINTS_OF_SEED) as u64) << 40) as u32;
-        sobol_burley::sample_4d((number % POINTS_OF_SEED) as u32, 1, seed)
-    }
 }
 
 /// Random numbers one after the other, without strata: for choices that are averaged over many points.
@@ -73,7 +67,10 @@ mod tests {
         // The integral of a product of two coordinates that come from different pairs.
         let mean = |key: u64, count: usize| {
             let sequence = Sequence::new(key_of(7, key));
-            let product = |i: usize| { let [a, _, c, _] = sequence.at(i); f64::from(a) * f64::from(c) };
+            let product = |i: usize| {
+                let [a, _, c, _] = sequence.at(i);
+                f64::from(a) * f64::from(c)
+            };
             (0..count).map(product).sum::<f64>() / count as f64
         };
         let errors: Vec<f64> = (0..50).map(|key| mean(key, 1024) - 0.25).collect();

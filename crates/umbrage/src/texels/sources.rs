@@ -280,7 +280,8 @@ mod tests {
 
     #[test]
     fn estimates_have_no_bias_near_a_large_source_that_is_partly_hidden() {
-        let mut scene = fixture::scene(vec![Material::diffuse("grey", Rgb::splat(0.5)), Material::emitting("lamp", Rgb::ONE)]);
+        let mut scene =
+            fixture::scene(vec![Material::diffuse("grey", Rgb::splat(0.5)), Material::emitting("lamp", Rgb::ONE)]);
         scene.lamps.push(Lamp {
             name: String::new(),
             kind: LampKind::Point { position_m: DVec3::new(0.2, 0.1, 0.6), intensity: Rgb::splat(0.3), range_m: None },
@@ -290,7 +291,9 @@ mod tests {
             (fixture::square(DVec3::new(0.3, 0.0, 0.3), 1.0, false), 1),
             (fixture::square(DVec3::new(0.5, 0.4, 0.1), 0.2, true), 0),
         ];
-        for (i, at_m) in [DVec3::new(0.4, 0.3, 0.0), DVec3::new(-0.9, 0.2, 0.0), DVec3::new(1.1, -0.8, 0.0)].iter().enumerate() {
+        for (i, at_m) in
+            [DVec3::new(0.4, 0.3, 0.0), DVec3::new(-0.9, 0.2, 0.0), DVec3::new(1.1, -0.8, 0.0)].iter().enumerate()
+        {
             for one in [false, true] {
                 let (mean, exact) = mean_and_exact(&polygons, &scene, *at_m, one);
                 assert!((mean / exact - 1.0).abs() < 0.02, "{i}, {one}: {mean} is not {exact}");

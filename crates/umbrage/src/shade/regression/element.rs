@@ -127,14 +127,8 @@ mod tests {
 
     #[test]
     fn nodes_functions_are_one_at_their_node_and_sum_to_one() {
-        let at_nodes = [
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [0.5, 0.5, 0.0],
-            [0.0, 0.5, 0.5],
-            [0.5, 0.0, 0.5],
-        ];
+        let at_nodes =
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]];
         for (node, at) in at_nodes.into_iter().enumerate() {
             let weights = Element::weights(at);
             assert!((0..NODES).all(|i| (weights[i] - f64::from(u8::from(i == node))).abs() < 1e-15));

@@ -100,12 +100,7 @@ pub(super) struct Judged {
 
 impl Evidence {
     /// Looks at the residuals of a leaf's samples against the fit, and finds the classes of their directions.
-    pub(super) fn of(
-        polygon_m: &[DVec2],
-        samples: &[Sample],
-        elements: &[Element],
-        values: &[Rgb],
-    ) -> (Self, Classes) {
+    pub(super) fn of(polygon_m: &[DVec2], samples: &[Sample], elements: &[Element], values: &[Rgb]) -> (Self, Classes) {
         let low = polygon_m.iter().copied().fold(DVec2::INFINITY, DVec2::min);
         let high = polygon_m.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
         let count = samples.len() as f64;
@@ -134,7 +129,8 @@ impl Evidence {
             near += hidden;
         }
         // Freed of their own noise.
-        let in_cells = cells.iter().filter(|cell| cell[0] >= 2.0).map(|cell| (cell[2] * cell[2] - cell[3]) / (cell[0] - 1.0));
+        let in_cells =
+            cells.iter().filter(|cell| cell[0] >= 2.0).map(|cell| (cell[2] * cell[2] - cell[3]) / (cell[0] - 1.0));
         let near_squared = (in_cells.sum::<f64>() / count).max((near / count).powi(2));
         let mut sums: Vec<[f64; 2]> = cells.iter().map(|cell| [cell[0], cell[1]]).collect();
         let (mut finer, mut number, mut now) = ([CellSums::default(); 3], 0, finest);
@@ -240,8 +236,12 @@ impl Pool {
             let leaves = by_chance * by_chance / squared;
             ((OF_SUPPOSED * SUPPOSED_CHANCE[i] + leaves * found / by_chance) / (OF_SUPPOSED + leaves)).clamp(0.4, 0.9)
         });
-        let mut pool =
-            Self { chance, trust: [1.0; NEAR_CLASSES.len() + 1], relative_variance: relative_variance / many, least_spread };
+        let mut pool = Self {
+            chance,
+            trust: [1.0; NEAR_CLASSES.len() + 1],
+            relative_variance: relative_variance / many,
+            least_spread,
+        };
         let mut sums = [[0.0_f64; 3]; NEAR_CLASSES.len() + 1];
         for (area_m2, evidence) in leaves {
             let by_chance = pool.by_chance(&evidence.cells, evidence.variance, evidence.samples);

@@ -23,7 +23,7 @@ use crate::shade::field::{MeshPoint, Places};
 use crate::texels::{RayTree, Sources, TexelRadiosity};
 
 /// Noise and misfit may be this share of the tolerance; what is left is for interpolation between vertices.
-const SHARE_OF_TOLERANCE: f64 = 0.9;
+const SHARE_OF_TOLERANCE: f64 = 0.85;
 /// The square of the misfit is so many times what cells show: they see its means. Measured against references.
 const HIDDEN_MISFIT: f64 = 8.0;
 /// Stratified samples err by this share of the variance of independent ones.
@@ -38,7 +38,7 @@ const OF_DARK_LEAF: usize = 96;
 /// Samples that look whether a face is dark that no light of texels falls on.
 const OF_DARK_FACE: usize = 16;
 /// No leaf of a smaller share of the area is split.
-pub(crate) const LEAST_OF_ALL: f64 = 1e-6;
+const LEAST_OF_ALL: f64 = 1e-6;
 /// No spread is taken to be less than this share of the mean irradiance.
 const LEAST_SPREAD: f64 = 0.02;
 /// No more rounds, samples and leaves.
@@ -47,6 +47,11 @@ const MAX_SAMPLES: f64 = 16e6;
 const MAX_LEAVES: usize = 150_000;
 /// Squared relative residual of the equations, between rounds and at the end.
 const RESIDUALS: [f64; 2] = [1e-4, 1e-6];
+
+/// The size of the least leaf that is split, in metres, where all faces have this area: what is smaller must be cut in beforehand.
+pub(crate) fn least_of_fit_m(area_m2: f64) -> f64 {
+    (LEAST_OF_ALL * area_m2).sqrt()
+}
 
 /// Reflected irradiance as a function of the place.
 #[derive(Debug)]
@@ -152,8 +157,20 @@ pub(crate) fn regress(
             let first = first.clamp(FIRST_SAMPLES[0], FIRST_SAMPLES[1]) as usize;
             let wanted = match (leaf.lit, leaf.samples.is_empty()) {
                 (true, _) => first.max((leaf.noise(patch.area_m2) / price).sqrt() as usize),
-                (false, true) => if lit_faces[patch.face.index()] { first } else { OF_DARK_FACE },
-                (false, false) => if lit_faces[patch.face.index()] { first.max(OF_DARK_LEAF) } else { 0 },
+                (false, true) => {
+                    if lit_faces[patch.face.index()] {
+                        first
+                    } else {
+                        OF_DARK_FACE
+                    }
+                }
+                (false, false) => {
+                    if lit_faces[patch.face.index()] {
+                        first.max(OF_DARK_LEAF)
+                    } else {
+                        0
+                    }
+                }
             };
             let there = leaf.samples.len();
             if wanted as f64 <= WORTHWHILE * there as f64 {
@@ -177,8 +194,7 @@ pub(crate) fn regress(
                 Evidence::of(&mesh.polygon_2d_m(*id), &leaf.samples, &leaf.elements, values);
         });
         let lit = || work.iter().filter(|(_, leaf)| leaf.lit);
-        let pool =
-            Pool::new(lit().map(|(id, leaf)| (mesh.patch(*id).area_m2, &leaf.evidence)), LEAST_SPREAD * mean);
+        let pool = Pool::new(lit().map(|(id, leaf)| (mesh.patch(*id).area_m2, &leaf.evidence)), LEAST_SPREAD * mean);
         work.par_iter_mut().filter(|(_, leaf)| leaf.lit).for_each(|(_, leaf)| leaf.judged = pool.judge(&leaf.evidence));
         let needs: Vec<Need> = work
             .iter()

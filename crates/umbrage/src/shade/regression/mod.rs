@@ -25,4 +25,4 @@ mod normal_equations;
 mod plan;
 mod sample;
 
-pub(crate) use fit::{FittedLight, Gathering, LEAST_OF_ALL, RegressionSettings, regress};
+pub(crate) use fit::{FittedLight, Gathering, RegressionSettings, least_of_fit_m, regress};

@@ -125,13 +125,17 @@ impl<'a> Sheet<'a> {
     fn by_gradients(&self, known: &[Rgb], max_residual: f64) -> Vec<Rgb> {
         let mut diagonal = vec![f64::from(f32::MIN_POSITIVE); self.nodes.len()];
         for (nodes, equations) in &self.elements {
-            nodes.iter().enumerate().for_each(|(i, &node)| diagonal[node as usize] += f64::from(equations.products[i][i]));
+            nodes
+                .iter()
+                .enumerate()
+                .for_each(|(i, &node)| diagonal[node as usize] += f64::from(equations.products[i][i]));
         }
         let scaled = |of: &[Rgb]| -> Vec<Rgb> { of.iter().zip(&diagonal).map(|(value, by)| value / by).collect() };
         let inner = |a: &[Rgb], b: &[Rgb]| -> Rgb { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         let light = self.light();
         let mut solution: Vec<Rgb> = self.nodes.iter().map(|&node| known[node as usize]).collect();
-        let mut residual: Vec<Rgb> = light.iter().zip(self.product(&solution)).map(|(light, product)| light - product).collect();
+        let mut residual: Vec<Rgb> =
+            light.iter().zip(self.product(&solution)).map(|(light, product)| light - product).collect();
         let mut towards = scaled(&residual);
         let mut left = inner(&residual, &towards);
         let enough = max_residual * inner(&light, &scaled(&light));
@@ -190,8 +194,14 @@ mod tests {
             let (p, q) = (2 * x, 2 * x + 2);
             let at = |x: usize, y: usize| DVec2::new(0.5 * x as f64, 0.5 * y as f64);
             let of = [
-                ([at(p, 0), at(q, 0), at(q, 2)], [node(p, 0), node(q, 0), node(q, 2), node(p + 1, 0), node(q, 1), node(p + 1, 1)]),
-                ([at(p, 0), at(q, 2), at(p, 2)], [node(p, 0), node(q, 2), node(p, 2), node(p + 1, 1), node(p + 1, 2), node(p, 1)]),
+                (
+                    [at(p, 0), at(q, 0), at(q, 2)],
+                    [node(p, 0), node(q, 0), node(q, 2), node(p + 1, 0), node(q, 1), node(p + 1, 1)],
+                ),
+                (
+                    [at(p, 0), at(q, 2), at(p, 2)],
+                    [node(p, 0), node(q, 2), node(p, 2), node(p + 1, 1), node(p + 1, 2), node(p, 1)],
+                ),
             ];
             for (corners, nodes) in of {
                 let mut element = Element::new(corners);
@@ -199,7 +209,8 @@ mod tests {
                 let samples: Vec<Sample> = (0..20_000)
                     .map(|_| {
                         let (s, t) = (f64::from(draw()).sqrt(), f64::from(draw()));
-                        let at = corners[0] + s * ((1.0 - t) * (corners[1] - corners[0]) + t * (corners[2] - corners[0]));
+                        let at =
+                            corners[0] + s * ((1.0 - t) * (corners[1] - corners[0]) + t * (corners[2] - corners[0]));
                         let light = Vec3::new(truth(at) as f32, 1.0, 0.0);
                         Sample { at_m: at.as_vec2().to_array(), light, nearness: 0.0, direction: [0; 2] }
                     })

@@ -73,8 +73,7 @@ pub(super) fn plan(needs: &[Need], allowed: f64, max_samples: f64) -> Plan {
     if is_too_much(price) {
         price = greatest(&is_too_much, price, allowed.max(price), 30)[1];
     }
-    let mut splits: Vec<PatchId> =
-        needs.iter().filter(|need| need.depth(price) > 0).map(|need| need.leaf).collect();
+    let mut splits: Vec<PatchId> = needs.iter().filter(|need| need.depth(price) > 0).map(|need| need.leaf).collect();
     splits.sort_unstable();
     Plan { price, splits }
 }
