@@ -59,7 +59,7 @@ impl<'a> DirectLight<'a> {
                 exitance: material(face).exitance(),
             })
             .collect();
-        let lamps = Lamps::new(scene, prepared);
+        let lamps = Lamps::new(scene, prepared, visibility);
         Self { prepared, visibility, emitters, lamps, memory: SourceMemory::None }
     }
 
