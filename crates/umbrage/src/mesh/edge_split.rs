@@ -29,6 +29,10 @@ const D2_SNAP: f64 = 0.02;
 /// would lose a sliver to each.
 const LEAST_OF_PATCH: f64 = 0.04;
 
+/// Of more hints than this, those that are short for the patch wait though they must be cut: one after another they would each be
+/// prolonged through the whole patch, and all others be clipped each time, in a time that grows with the square of their number.
+const MANY: usize = 24;
+
 /// Where the end of a chord meets the boundary.
 #[derive(Clone, Copy, Debug)]
 enum End {
@@ -74,15 +78,22 @@ impl Mesh {
 
     /// Splits a leaf along the first of its edge hints that this patch is small enough for, if that makes no more than `room`
     /// triangles. It stays whole where there is none: hints that are short for the patch, or run along its boundary nearer
-    /// than it may be cut, wait for its subpatches, unless they must be cut.
+    /// than it may be cut, wait for its subpatches; those that must be cut only where they are many.
     pub(super) fn edge_split(&mut self, patch: PatchId, room: usize) -> Attempt {
+        let are_many = self.patches[patch].edge_hints.len() > MANY;
+        self.edge_split_unless(patch, room, are_many)
+    }
+
+    /// The same, where those that must be cut wait, too, while they are short for the patch and `are_many`.
+    pub(super) fn edge_split_unless(&mut self, patch: PatchId, room: usize, are_many: bool) -> Attempt {
         let (corners, sides) = (self.polygon_2d_m(patch), self.patches[patch].sides.len());
         let least_m = LEAST_OF_PATCH * self.patches[patch].area_m2.max(0.0).sqrt();
         let mut number = 0;
         while let Some(&hint) = self.patches[patch].edge_hints.get(number) {
             let is_d0 = hint.degree == Degree::D0;
             let is_along = || !is_d0 && hint.runs_along(&corners, self.along_m(patch, hint.degree));
-            let waits = !hint.needed && (hint.length_m() < least_m || is_along());
+            let is_short = || hint.length_m() < least_m;
+            let waits = if hint.needed { are_many && is_short() } else { is_short() || is_along() };
             let chord = if waits { None } else { self.chord_of(patch, &hint) };
             match chord.filter(|chord| !on_one_side(&chord.ends[0].place(), &chord.ends[1].place(), sides)) {
                 Some(chord) if chord.ends.iter().map(|end| end.cost(self)).sum::<usize>() > room => {
