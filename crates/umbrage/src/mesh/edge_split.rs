@@ -17,6 +17,7 @@ use super::split::Attempt;
 use super::{EdgeHint, Mesh};
 use crate::discontinuity::Degree;
 use crate::geometry::clip;
+use crate::geometry::convex::Line;
 use crate::id::PatchId;
 
 /// How far a d-segment of degree 1 may be moved, as a share of the square root of the patch's area.
@@ -29,9 +30,14 @@ const D2_SNAP: f64 = 0.02;
 /// would lose a sliver to each.
 const LEAST_OF_PATCH: f64 = 0.04;
 
-/// Of more hints than this, those that are short for the patch wait though they must be cut: one after another they would each be
-/// prolonged through the whole patch, and all others be clipped each time, in a time that grows with the square of their number.
+/// Of more hints that must be cut than this, the next is one that halves their number; where none does, they wait until the patch is
+/// smaller. One after another they would each be prolonged through the whole patch, and all others be clipped each time, in a time
+/// that grows with the square of their number, and so would the depth of the tree.
 const MANY: usize = 24;
+/// So many of them are tried, evenly over the list.
+const TRIED: usize = 16;
+/// A hint that leaves more than this share of them on one side halves nothing.
+const MOST_OF_ONE_SIDE: f64 = 0.75;
 
 /// Where the end of a chord meets the boundary.
 #[derive(Clone, Copy, Debug)]
@@ -80,20 +86,40 @@ impl Mesh {
     /// triangles. It stays whole where there is none: hints that are short for the patch, or run along its boundary nearer
     /// than it may be cut, wait for its subpatches; those that must be cut only where they are many.
     pub(super) fn edge_split(&mut self, patch: PatchId, room: usize) -> Attempt {
-        let are_many = self.patches[patch].edge_hints.len() > MANY;
-        self.edge_split_unless(patch, room, are_many)
+        let hints = &self.patches[patch].edge_hints;
+        let needed: Vec<usize> = (0..hints.len()).filter(|&number| hints[number].needed).collect();
+        if needed.len() <= MANY {
+            return self.edge_split_from(patch, room, 0);
+        }
+        self.halving_hint(patch, &needed).map_or(Attempt::Whole, |number| self.edge_split_from(patch, room, number))
     }
 
-    /// The same, where those that must be cut wait, too, while they are short for the patch and `are_many`.
-    pub(super) fn edge_split_unless(&mut self, patch: PatchId, room: usize, are_many: bool) -> Attempt {
+    /// Of many hints that must be cut the one that leaves the fewest of them on either side, by its number, if it halves them at all.
+    fn halving_hint(&self, patch: PatchId, needed: &[usize]) -> Option<usize> {
+        let hints = &self.patches[patch].edge_hints;
+        let finest_m = self.finest_of(patch);
+        let greater_side = |number: usize| {
+            let line = Line::through(hints[number].ends_m[0], hints[number].ends_m[1]);
+            let heights_m = needed.iter().map(|&other| hints[other].ends_m.map(|end| line.height_m(end)));
+            let on_sides = heights_m.fold([0, 0], |[left, right], [p, q]| {
+                [left + usize::from(p.max(q) > finest_m), right + usize::from(p.min(q) < -finest_m)]
+            });
+            on_sides[0].max(on_sides[1])
+        };
+        let tried = (0..TRIED).map(|i| needed[i * needed.len() / TRIED]).map(|number| (greater_side(number), number));
+        let most = (MOST_OF_ONE_SIDE * needed.len() as f64) as usize;
+        tried.min().filter(|&(greater, _)| greater <= most).map(|(_, number)| number)
+    }
+
+    /// The same, from a hint on, however many there are.
+    pub(super) fn edge_split_from(&mut self, patch: PatchId, room: usize, from: usize) -> Attempt {
         let (corners, sides) = (self.polygon_2d_m(patch), self.patches[patch].sides.len());
         let least_m = LEAST_OF_PATCH * self.patches[patch].area_m2.max(0.0).sqrt();
-        let mut number = 0;
+        let mut number = from;
         while let Some(&hint) = self.patches[patch].edge_hints.get(number) {
             let is_d0 = hint.degree == Degree::D0;
             let is_along = || !is_d0 && hint.runs_along(&corners, self.along_m(patch, hint.degree));
-            let is_short = || hint.length_m() < least_m;
-            let waits = if hint.needed { are_many && is_short() } else { is_short() || is_along() };
+            let waits = !hint.needed && (hint.length_m() < least_m || is_along());
             let chord = if waits { None } else { self.chord_of(patch, &hint) };
             match chord.filter(|chord| !on_one_side(&chord.ends[0].place(), &chord.ends[1].place(), sides)) {
                 Some(chord) if chord.ends.iter().map(|end| end.cost(self)).sum::<usize>() > room => {

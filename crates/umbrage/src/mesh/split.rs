@@ -80,7 +80,7 @@ impl Mesh {
         }
         let attempt = self.split_without_hints(patch, room);
         // Nothing but the hints that wait is left.
-        if attempt == Attempt::Whole { self.edge_split_unless(patch, room, false) } else { attempt }
+        if attempt == Attempt::Whole { self.edge_split_from(patch, room, 0) } else { attempt }
     }
 
     /// Splits a patch by its boundary points, or as a triangle.
