@@ -237,7 +237,12 @@ pub(crate) fn warn_of(report: &Report, file: &Path) -> Vec<ReportedWarning> {
 
 /// How good a step is.
 fn quality(step: &Step) -> String {
-    let short = if step.is_cut_short { " in a sketch without edges of shadows, cut short" } else { "" };
+    let short = match (step.is_sketch, step.is_cut_short) {
+        (true, true) => " in a sketch without edges of shadows, cut short",
+        (true, false) => " in a sketch without edges of shadows",
+        (false, true) => ", cut short",
+        (false, false) => "",
+    };
     format!(
         "the light at tolerance {}{short}, between vertices in error by {} (estimate), with {}",
         step.settings.shade.tolerance,
