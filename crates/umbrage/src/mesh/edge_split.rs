@@ -306,6 +306,21 @@ mod tests {
         assert_eq!(hard.vertex_count(), 6);
     }
 
+    #[test]
+    fn a_round_shadow_of_many_edges_is_cut_in_a_shallow_tree() {
+        let corner = |i: usize| 0.5 + 0.3 * DVec2::from_angle(std::f64::consts::TAU * i as f64 / 400.0);
+        let hints: Vec<_> = (0..400).map(|i| (corner(i), corner(i + 1), Degree::D0)).collect();
+        let mut mesh = square_with(&hints);
+        mesh.remove_d0_hints();
+        assert!(mesh.leaves().all(|leaf| !mesh.has_d0_hint(leaf)), "all are cut");
+        let depth = |leaf: PatchId| std::iter::successors(Some(leaf), |&patch| mesh.patch(patch).parent).count();
+        let deepest = mesh.leaves().map(depth).max().unwrap();
+        assert!(deepest < 60, "{deepest} levels");
+        // Cut one after another, each edge would be prolonged through the square.
+        let length_m = |leaf: PatchId| mesh.edges().ends(mesh.boundary(leaf)[0].leaf.edge).map(|v| mesh.vertex_m(v));
+        assert!(mesh.leaves().count() < 4000 && mesh.leaves().all(|leaf| length_m(leaf)[0] != length_m(leaf)[1]));
+    }
+
     proptest! {
         #[test]
         fn at_most_two_vertices_are_new_and_the_hint_is_used_up_but_for_its_snap(

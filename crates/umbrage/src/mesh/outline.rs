@@ -81,7 +81,8 @@ impl Outline {
     pub(super) fn best_chord(&self, score: SplitScore) -> Option<(usize, usize)> {
         if self.points.len() > MANY_POINTS {
             let best = self.best_of(self.halving_pairs(), score);
-            if best.is_some() {
+            // One that leaves the patch at an end is for want of others.
+            if best.and_then(|(i, j)| self.chord(i, j)).is_some_and(|chord| chord.least_sine >= 0.0) {
                 return best;
             }
         }
@@ -202,5 +203,26 @@ impl Outline {
     ) -> impl Iterator<Item = (usize, usize, Chord)> + 'a {
         let least_m2 = LEAST_SHARE * 0.5 * self.moments[self.points.len()];
         chords.filter(move |(_, _, chord)| chord.areas_m2.iter().all(|&area| area > least_m2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{self, first};
+    use super::*;
+
+    #[test]
+    fn of_many_points_the_chord_is_nearly_the_best_of_all() {
+        let corner = |i: usize| DVec2::from_angle(std::f64::consts::TAU * i as f64 / 200.0) * DVec2::new(2.0, 1.0);
+        let mesh = sample::mesh(&[(0..200).map(corner).collect()]);
+        let boundary = mesh.boundary(first());
+        let outline = Outline::of(&mesh, first(), &boundary);
+        assert!(outline.points.len() > MANY_POINTS);
+        let score = |(i, j): (usize, usize)| SplitScore::WellShaped.of(&outline.chord(i, j).unwrap());
+        let found = outline.best_chord(SplitScore::WellShaped).unwrap();
+        let best = outline.best_of(outline.pairs(), SplitScore::WellShaped).unwrap();
+        assert!(score(found) < 1.02 * score(best), "{found:?} {best:?}");
+        let pairs = [outline.halving_pairs().count(), outline.pairs().count()];
+        assert!(10 * pairs[0] < pairs[1], "{pairs:?}");
     }
 }
