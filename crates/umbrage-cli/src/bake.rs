@@ -65,8 +65,9 @@ narrower than that is not split.
 --time-limit, --memory-limit and --progressive bake in steps, the first of them at 16 times the tolerance, with limits at 0.16 at least, each finer \
 than the one before; faces and the edges of shadows are found once. What steps took says how fine the next can be. Every \
 step is a whole bake, the same that its tolerance alone gives, and the file names that tolerance. With limits a sketch comes \
-before them, without edges of shadows, whose refinement is cut short once half of a limit is used up. Where a limit is \
-reached before the tolerance asked for, the step that runs is given up and the one before is written; a warning says at \
+before them, without edges of shadows, whose refinement is cut short once a quarter of the time is used up. Of every other step \
+refinement ends once three quarters are used up; that is kept where it errs less than the step before. Where a limit is \
+reached before the tolerance asked for, the best step is written; a warning says at \
 which tolerance it is and how much it errs, and the exit code is 0. Only where a limit is reached in the sketch, nothing is \
 written. Ctrl-C ends a bake at once: with --progressive the best result by then \
 stays, without it nothing is written.
@@ -237,7 +238,12 @@ pub(crate) fn warn_of(report: &Report, file: &Path) -> Vec<ReportedWarning> {
 
 /// How good a step is.
 fn quality(step: &Step) -> String {
-    let short = if step.is_cut_short { " in a sketch without edges of shadows, cut short" } else { "" };
+    let short = match (step.is_sketch, step.is_cut_short) {
+        (true, true) => " in a sketch without edges of shadows, cut short",
+        (true, false) => " in a sketch without edges of shadows",
+        (false, true) => ", cut short",
+        (false, false) => "",
+    };
     format!(
         "the light at tolerance {}{short}, between vertices in error by {} (estimate), with {}",
         step.settings.shade.tolerance,

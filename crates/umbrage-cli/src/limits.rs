@@ -38,12 +38,18 @@ pub(crate) enum Limit {
     Memory,
 }
 
+/// Shares of the time after which a sketch ends its refinement, and every other step. A round of refinement, what is put together and
+/// written must fit into what is left: a quarter is enough for scenes whose last round takes a third of a step.
+const SKETCHED: f64 = 0.25;
+const REFINED: f64 = 0.75;
+
 /// The limits of a bake; by default there are none.
 #[derive(Debug, Default)]
 pub(crate) struct Limits {
     until: Option<Instant>,
-    /// When half of the time is over.
-    half: Option<Instant>,
+    /// When a quarter of the time is over, and when most of it is.
+    quarter: Option<Instant>,
+    most: Option<Instant>,
     memory: Option<MemoryLimit>,
 }
 
@@ -90,8 +96,9 @@ impl Limits {
     /// [`MemoryUnknown`] where memory is limited that cannot be told.
     pub(crate) fn new(begin: Instant, time: Option<Duration>, memory: Option<ByteSize>) -> Result<Self, MemoryUnknown> {
         let memory = memory.map(|limit| MemoryLimit::new(limit.as_u64())).transpose()?;
-        let half = time.and_then(|limit| begin.checked_add(limit / 2));
-        Ok(Self { until: time.and_then(|limit| last_moment(begin, limit)), half, memory })
+        let share = |share: f64| time.and_then(|limit| begin.checked_add(limit.mul_f64(share)));
+        let until = time.and_then(|limit| last_moment(begin, limit));
+        Ok(Self { until, quarter: share(SKETCHED), most: share(REFINED), memory })
     }
 
     /// Whether there is any.
@@ -104,10 +111,15 @@ impl Limits {
         self.until.is_some_and(|until| Instant::now() >= until)
     }
 
-    /// Whether half of a limit is used up: what is to be there early must come to its end.
-    pub(crate) fn is_half_used(&self) -> bool {
-        self.half.is_some_and(|half| Instant::now() >= half)
+    /// Whether so much of a limit is used up that a sketch, which is to be there early, must come to its end.
+    pub(crate) fn must_end_sketch(&self) -> bool {
+        self.quarter.is_some_and(|quarter| Instant::now() >= quarter)
             || self.memory.as_ref().is_some_and(|memory| memory.room() < 2.0)
+    }
+
+    /// Whether so much of the time is over that what is refined must be put together as it is.
+    pub(crate) fn must_end_step(&self) -> bool {
+        self.most.is_some_and(|most| Instant::now() >= most)
     }
 
     /// Whether the step that runs is to be cancelled. Called from many threads, often.

@@ -12,6 +12,7 @@ use std::time::Duration;
 use serde::Serialize;
 use umbrage::bake::{BakeSettings, BakeWarning, Report};
 use umbrage::scene::{Lamp, LampKind, Rgb, Scene};
+use umbrage::shade::LampAccount;
 use umbrage_formats::{Written, check_writable, write_atomically};
 
 use crate::light::Fluxes;
@@ -218,6 +219,13 @@ struct ReportedLamp<'a> {
     name: &'a str,
     kind: &'static str,
     emitted_w: Option<[f64; 3]>,
+    sent_w: Option<[f64; 3]>,
+    expected_w: Option<[f64; 3]>,
+    received_w: Option<[f64; 3]>,
+    on_backs_w: Option<[f64; 3]>,
+    leaving_w: Option<[f64; 3]>,
+    fading_w: Option<[f64; 3]>,
+    received_share: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -281,7 +289,7 @@ impl<'a> File<'a> {
             error: ErrorEstimate { between_vertices: finite(report.error) },
             solution: Solved { iterations: report.iterations, residual: finite(report.residual) },
             energy: Energy::new(report, &Fluxes::new(reported.scene)),
-            lamps: reported.scene.lamps.iter().map(reported_lamp).collect(),
+            lamps: reported_lamps(reported.scene, &report.lamps),
             exposure: Exposure { k: written.exposure_k, clipped_vertices: written.clipped_vertices },
             time: Time {
                 total_s: reported.elapsed.as_secs_f64(),
@@ -336,13 +344,32 @@ impl Energy {
     }
 }
 
-fn reported_lamp(lamp: &Lamp) -> ReportedLamp<'_> {
+/// All lamps of a scene with the accounts of those that shine, which stand in the same order.
+fn reported_lamps<'a>(scene: &'a Scene, accounts: &[LampAccount]) -> Vec<ReportedLamp<'a>> {
+    let mut accounts = accounts.iter();
+    scene.lamps.iter().map(|lamp| reported_lamp(lamp, if lamp.emits() { accounts.next() } else { None })).collect()
+}
+
+fn reported_lamp<'a>(lamp: &'a Lamp, account: Option<&LampAccount>) -> ReportedLamp<'a> {
     let kind = match lamp.kind {
         LampKind::Point { .. } => "point",
         LampKind::Spot { .. } => "spot",
         LampKind::Directional { .. } => "directional",
     };
-    ReportedLamp { name: &lamp.name, kind, emitted_w: lamp.flux_w().map(|flux| flux.to_array()) }
+    let flux = |of: fn(&LampAccount) -> Rgb| account.map(|account| of(account).to_array());
+    ReportedLamp {
+        name: &lamp.name,
+        kind,
+        emitted_w: lamp.flux_w().map(|flux| flux.to_array()),
+        sent_w: flux(|account| account.sent_w),
+        expected_w: flux(|account| account.expected_w),
+        received_w: flux(|account| account.received_w),
+        on_backs_w: flux(|account| account.on_backs_w),
+        leaving_w: flux(|account| account.escaped_w),
+        fading_w: flux(|account| account.faded_w),
+        received_share: account
+            .and_then(|account| finite(account.received_w.element_sum() / account.expected_w.element_sum())),
+    }
 }
 
 /// A file's name without its folder: a report can be shown to others.

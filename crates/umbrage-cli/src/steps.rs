@@ -2,11 +2,12 @@
 //! and memory allow (`--time-limit`, `--memory-limit`).
 //!
 //! Every step is a whole bake at a tolerance of its own: what it leaves is, byte for byte, what a bake leaves that is asked for
-//! that tolerance. Steps share their faces and d-segments, which are found once ([`Groundwork`]); how fine the next one can be is
+//! that tolerance, unless time ran short. Steps share their faces and d-segments, which are found once ([`Groundwork`]); how fine the next one can be is
 //! told by what those before took ([`Plan`]).
 //!
-//! Where there are limits, a sketch comes first, without the edges of shadows. Once half of a limit is used up its refinement
-//! is cut short, so that there is something to write early, whatever the scene.
+//! Where there are limits, a sketch comes first, without the edges of shadows. Once a quarter of the time is used up its refinement
+//! is cut short, so that there is something to write early, whatever the scene. Of every other step refinement ends once three
+//! quarters of the time are used up, so that what it found is not lost; it is kept where its error is less than that of the step before.
 //!
 //! A thread bakes while this one waits, so that the end of the time and Ctrl-C are heeded at once, whatever the bake is
 //! doing. It is then left alone: the progress callback ends it, or the process does. Where memory is short, its end is
@@ -55,6 +56,8 @@ pub(crate) struct Step {
     pub(crate) settings: BakeSettings,
     /// Whether this is the bake that was asked for, and no coarser one.
     pub(crate) is_asked: bool,
+    /// Whether it has no edges of shadows, and is there to have something early.
+    pub(crate) is_sketch: bool,
     /// Whether its refinement was cut short.
     pub(crate) is_cut_short: bool,
 }
@@ -147,7 +150,7 @@ fn all_steps(
     let progress = Progress::new(&callback);
     // Where nobody waits for steps any more, nothing is sent, and the thread ends.
     if !is_in_steps(asked, wishes) {
-        let step = |bake| Step { bake, settings: *asked, is_asked: true, is_cut_short: false };
+        let step = |bake| Step { bake, settings: *asked, is_asked: true, is_sketch: false, is_cut_short: false };
         let _ = sender.send(bake(scene, asked, progress).map(step));
     } else if let Err(error) = steps_on_ground(scene, asked, wishes, progress, sender) {
         let _ = sender.send(Err(error));
@@ -164,17 +167,13 @@ fn steps_on_ground(
 ) -> Result<(), BakeError> {
     let limits = &wishes.limits;
     let mut ground = Groundwork::new(scene, asked, progress)?;
+    // Of the results that were sent the best, by its error.
+    let mut best_error = f64::INFINITY;
     if limits.is_any() && !wishes.early {
         let settings = BakeSettings { discontinuities: false, ..at(asked, first(asked, wishes)) };
-        let was_short = AtomicBool::new(false);
-        let is_short = || {
-            let is_short = limits.is_half_used();
-            was_short.fetch_or(is_short, Ordering::Relaxed);
-            is_short
-        };
-        let bake = ground.bake(scene, &settings, progress.hurried_by(&is_short))?;
-        let is_cut_short = was_short.load(Ordering::Relaxed);
-        if sender.send(Ok(Step { bake, settings, is_asked: false, is_cut_short })).is_err() {
+        let (bake, is_cut_short) = baked_until(&ground, scene, &settings, progress, &|| limits.must_end_sketch())?;
+        best_error = bake.report.error;
+        if sender.send(Ok(Step { bake, settings, is_asked: false, is_sketch: true, is_cut_short })).is_err() {
             return Ok(());
         }
     }
@@ -184,17 +183,39 @@ fn steps_on_ground(
     while let Some(tolerance) = next {
         let settings = at(asked, tolerance);
         let begin = Instant::now();
-        let bake = ground.bake(scene, &settings, progress)?;
+        let (bake, is_cut_short) = baked_until(&ground, scene, &settings, progress, &|| limits.must_end_step())?;
         let took_s = begin.elapsed().as_secs_f64();
-        let is_asked = tolerance == asked.shade.tolerance;
+        let is_asked = tolerance == asked.shade.tolerance && !is_cut_short;
         plan.took(tolerance, took_s);
         let is_alike = |finer: f64| ground.gathers_alike(&settings, &at(asked, finer));
-        next = plan.next(limits.room(took_s), is_alike);
-        if sender.send(Ok(Step { bake, settings, is_asked, is_cut_short: false })).is_err() {
+        next = if is_cut_short { None } else { plan.next(limits.room(took_s), is_alike) };
+        if is_cut_short && bake.report.error >= best_error {
+            break;
+        }
+        best_error = bake.report.error;
+        if sender.send(Ok(Step { bake, settings, is_asked, is_sketch: false, is_cut_short })).is_err() {
             break;
         }
     }
     Ok(())
+}
+
+/// Bakes a step, and ends its refinement once it must; tells whether that was so.
+fn baked_until(
+    ground: &Groundwork,
+    scene: &Scene,
+    settings: &BakeSettings,
+    progress: Progress<'_>,
+    must_end: &(dyn Fn() -> bool + Sync),
+) -> Result<(Bake, bool), BakeError> {
+    let was_short = AtomicBool::new(false);
+    let is_short = || {
+        let is_short = must_end();
+        was_short.fetch_or(is_short, Ordering::Relaxed);
+        is_short
+    };
+    let bake = ground.bake(scene, settings, progress.hurried_by(&is_short))?;
+    Ok((bake, was_short.load(Ordering::Relaxed)))
 }
 
 /// The settings that were asked for, at another tolerance.

@@ -67,6 +67,7 @@ pub(crate) fn summary(
     line("energy", energy(&report.energy));
     if !report.lamps.is_empty() {
         line("lamps", lamps(&report.lamps));
+        lamp_defects(report).into_iter().for_each(|defect| line("", defect));
     }
     let clipped = match written.clipped_vertices {
         0 => String::new(),

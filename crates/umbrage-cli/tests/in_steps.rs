@@ -50,10 +50,29 @@ fn what_a_limit_allows_is_the_bake_of_the_tolerance_that_it_names() {
     let warning = format!("{}: the time limit is too short for tolerance {OUT_OF_REACH}", limited.display());
     assert!(err(&ended).starts_with(&format!("warning: {warning}")), "{}", err(&ended));
     assert!(err(&ended).contains(&format!("at tolerance {tolerance}")), "{}", err(&ended));
+    // Most of the time is used, and what time ran short for is said to be cut short.
+    assert!(begin.elapsed() > Duration::from_secs(5), "{:?}", begin.elapsed());
+    if err(&ended).contains("cut short") {
+        return;
+    }
     let line = ["--tolerance", &tolerance.to_string()];
     let done = umbrage(&[&["bake", &scene("occluder.glb"), "-o", alone.to_str().unwrap()], &line[..]].concat());
     assert_eq!(done.status.code(), Some(0), "{}", err(&done));
     assert_eq!(fs::read(limited).unwrap(), fs::read(alone).unwrap());
+}
+
+#[test]
+fn little_time_is_used_for_light_with_shadows() {
+    let folder = folder("little");
+    let baked = folder.join("little.glb");
+    // Far less than the tolerance takes: most of it goes into a step with the edges of shadows, and what that found is kept.
+    let line =
+        ["bake", &scene("room.obj"), "-o", baked.to_str().unwrap(), "--time-limit", "40", "--tolerance", "0.001"];
+    let begin = Instant::now();
+    let ended = umbrage(&line);
+    assert!(begin.elapsed() < Duration::from_secs(41), "{:?}", begin.elapsed());
+    assert_eq!(ended.status.code(), Some(0), "{}", err(&ended));
+    assert!(!err(&ended).contains("in a sketch"), "{}", err(&ended));
 }
 
 #[test]

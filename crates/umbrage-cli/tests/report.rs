@@ -81,6 +81,12 @@ fn every_key_is_documented_and_every_documented_key_is_there() {
     // 8 W/sr in all directions.
     let emitted = told["lamps"][0]["emitted_w"][0].as_f64().unwrap();
     assert!((emitted / (32.0 * std::f64::consts::PI) - 1.0).abs() < 1e-12, "{emitted}");
+    // All of it goes somewhere, and surfaces show what falls on them.
+    let lamp_w = |key: &str| told["lamps"][0][key][0].as_f64().unwrap();
+    let fates_w = ["expected_w", "on_backs_w", "leaving_w", "fading_w"].map(lamp_w).iter().sum::<f64>();
+    assert!((fates_w / emitted - 1.0).abs() < 1e-6 && (lamp_w("sent_w") / emitted - 1.0).abs() < 1e-6, "{fates_w}");
+    let share = told["lamps"][0]["received_share"].as_f64().unwrap();
+    assert!((share - 1.0).abs() < 0.05 && (lamp_w("received_w") / lamp_w("expected_w") / share - 1.0).abs() < 1e-6);
     assert_eq!(told["warnings"][0]["about"], "scene");
     let warned = told["warnings"][0]["text"].as_str().unwrap();
     assert!(err(&done).contains(warned), "{warned} is not in {}", err(&done));

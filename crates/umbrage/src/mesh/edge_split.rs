@@ -17,6 +17,7 @@ use super::split::Attempt;
 use super::{EdgeHint, Mesh};
 use crate::discontinuity::Degree;
 use crate::geometry::clip;
+use crate::geometry::convex::Line;
 use crate::id::PatchId;
 
 /// How far a d-segment of degree 1 may be moved, as a share of the square root of the patch's area.
@@ -28,6 +29,15 @@ const D2_SNAP: f64 = 0.02;
 /// that it is prolonged to would follow the shadow nowhere else. A round shadow is many such hints, and a large patch
 /// would lose a sliver to each.
 const LEAST_OF_PATCH: f64 = 0.04;
+
+/// Of more hints that must be cut than this, the next is one that halves their number; where none does, they wait until the patch is
+/// smaller. One after another they would each be prolonged through the whole patch, and all others be clipped each time, in a time
+/// that grows with the square of their number, and so would the depth of the tree.
+const MANY: usize = 24;
+/// So many of them are tried, evenly over the list.
+const TRIED: usize = 16;
+/// A hint that leaves more than this share of them on one side halves nothing.
+const MOST_OF_ONE_SIDE: f64 = 0.75;
 
 /// Where the end of a chord meets the boundary.
 #[derive(Clone, Copy, Debug)]
@@ -74,11 +84,38 @@ impl Mesh {
 
     /// Splits a leaf along the first of its edge hints that this patch is small enough for, if that makes no more than `room`
     /// triangles. It stays whole where there is none: hints that are short for the patch, or run along its boundary nearer
-    /// than it may be cut, wait for its subpatches, unless they must be cut.
+    /// than it may be cut, wait for its subpatches; those that must be cut only where they are many.
     pub(super) fn edge_split(&mut self, patch: PatchId, room: usize) -> Attempt {
+        let hints = &self.patches[patch].edge_hints;
+        let needed: Vec<usize> = (0..hints.len()).filter(|&number| hints[number].needed).collect();
+        if needed.len() <= MANY {
+            return self.edge_split_from(patch, room, 0);
+        }
+        self.halving_hint(patch, &needed).map_or(Attempt::Whole, |number| self.edge_split_from(patch, room, number))
+    }
+
+    /// Of many hints that must be cut the one that leaves the fewest of them on either side, by its number, if it halves them at all.
+    fn halving_hint(&self, patch: PatchId, needed: &[usize]) -> Option<usize> {
+        let hints = &self.patches[patch].edge_hints;
+        let finest_m = self.finest_of(patch);
+        let greater_side = |number: usize| {
+            let line = Line::through(hints[number].ends_m[0], hints[number].ends_m[1]);
+            let heights_m = needed.iter().map(|&other| hints[other].ends_m.map(|end| line.height_m(end)));
+            let on_sides = heights_m.fold([0, 0], |[left, right], [p, q]| {
+                [left + usize::from(p.max(q) > finest_m), right + usize::from(p.min(q) < -finest_m)]
+            });
+            on_sides[0].max(on_sides[1])
+        };
+        let tried = (0..TRIED).map(|i| needed[i * needed.len() / TRIED]).map(|number| (greater_side(number), number));
+        let most = (MOST_OF_ONE_SIDE * needed.len() as f64) as usize;
+        tried.min().filter(|&(greater, _)| greater <= most).map(|(_, number)| number)
+    }
+
+    /// The same, from a hint on, however many there are.
+    pub(super) fn edge_split_from(&mut self, patch: PatchId, room: usize, from: usize) -> Attempt {
         let (corners, sides) = (self.polygon_2d_m(patch), self.patches[patch].sides.len());
         let least_m = LEAST_OF_PATCH * self.patches[patch].area_m2.max(0.0).sqrt();
-        let mut number = 0;
+        let mut number = from;
         while let Some(&hint) = self.patches[patch].edge_hints.get(number) {
             let is_d0 = hint.degree == Degree::D0;
             let is_along = || !is_d0 && hint.runs_along(&corners, self.along_m(patch, hint.degree));
@@ -267,6 +304,21 @@ mod tests {
         let mut hard = square_with(&[(ends.0, ends.1, Degree::D0)]);
         assert_eq!(hard.edge_split(first(), usize::MAX), Attempt::Split);
         assert_eq!(hard.vertex_count(), 6);
+    }
+
+    #[test]
+    fn a_round_shadow_of_many_edges_is_cut_in_a_shallow_tree() {
+        let corner = |i: usize| 0.5 + 0.3 * DVec2::from_angle(std::f64::consts::TAU * i as f64 / 400.0);
+        let hints: Vec<_> = (0..400).map(|i| (corner(i), corner(i + 1), Degree::D0)).collect();
+        let mut mesh = square_with(&hints);
+        mesh.remove_d0_hints();
+        assert!(mesh.leaves().all(|leaf| !mesh.has_d0_hint(leaf)), "all are cut");
+        let depth = |leaf: PatchId| std::iter::successors(Some(leaf), |&patch| mesh.patch(patch).parent).count();
+        let deepest = mesh.leaves().map(depth).max().unwrap();
+        assert!(deepest < 60, "{deepest} levels");
+        // Cut one after another, each edge would be prolonged through the square.
+        let length_m = |leaf: PatchId| mesh.edges().ends(mesh.boundary(leaf)[0].leaf.edge).map(|v| mesh.vertex_m(v));
+        assert!(mesh.leaves().count() < 4000 && mesh.leaves().all(|leaf| length_m(leaf)[0] != length_m(leaf)[1]));
     }
 
     proptest! {

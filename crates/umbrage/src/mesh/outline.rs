@@ -14,6 +14,12 @@ use crate::id::PatchId;
 /// A part with less than this share of the patch's area is no part: rounding made it.
 const LEAST_SHARE: f64 = 1e-9;
 
+/// An outline of more points than this offers those chords alone that about halve its area: no other wins, and of all pairs there are
+/// too many.
+const MANY_POINTS: usize = 64;
+/// So many points to either side of the one across which the area is halved.
+const BESIDE_HALF: usize = 8;
+
 /// A boundary point of an outline: its number in the patch's boundary, its place, and the sides that it lies on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OutlinePoint {
@@ -73,7 +79,18 @@ impl Outline {
     /// side, as rounding of a long side makes them, only where there is no other. The first of equals wins, so that the
     /// choice depends on nothing but the outline.
     pub(super) fn best_chord(&self, score: SplitScore) -> Option<(usize, usize)> {
-        let scored = self.chords().map(|(i, j, chord)| ((chord.least_sine < 0.0, score.of(&chord)), i, j));
+        if self.points.len() > MANY_POINTS {
+            let best = self.best_of(self.halving_pairs(), score);
+            // One that leaves the patch at an end is for want of others.
+            if best.and_then(|(i, j)| self.chord(i, j)).is_some_and(|chord| chord.least_sine >= 0.0) {
+                return best;
+            }
+        }
+        self.best_of(self.pairs(), score)
+    }
+
+    fn best_of(&self, pairs: impl Iterator<Item = (usize, usize, Chord)>, score: SplitScore) -> Option<(usize, usize)> {
+        let scored = self.with_area(pairs).map(|(i, j, chord)| ((chord.least_sine < 0.0, score.of(&chord)), i, j));
         scored.reduce(|best, next| if next.0 < best.0 { next } else { best }).map(|(_, i, j)| (i, j))
     }
 
@@ -151,9 +168,61 @@ impl Outline {
         beyond
     }
 
+    /// The chords from each point to those about across, where the area is halved.
+    fn halving_pairs(&self) -> impl Iterator<Item = (usize, usize, Chord)> + '_ {
+        let n = self.points.len();
+        let half_m2 = 0.25 * self.moments[n];
+        let part_m2 = move |i: usize, j: usize| {
+            0.5 * (self.moments[j] - self.moments[i] + self.points[j].at_m.perp_dot(self.points[i].at_m))
+        };
+        let across = move |i: usize| {
+            // The part before a chord grows with its end, but for rounding.
+            let (mut low, mut high) = (i + 1, n);
+            while low < high {
+                let middle = low.midpoint(high);
+                if part_m2(i, middle) < half_m2 { low = middle + 1 } else { high = middle }
+            }
+            low
+        };
+        let beside = move |i: usize| {
+            let at = across(i);
+            (at.saturating_sub(BESIDE_HALF).max(i + 1)..n.min(at + BESIDE_HALF)).map(move |j| (i, j))
+        };
+        (0..n).flat_map(beside).filter_map(|(i, j)| self.chord(i, j).map(|chord| (i, j, chord)))
+    }
+
     /// Every chord that may split the patch.
     pub(super) fn chords(&self) -> impl Iterator<Item = (usize, usize, Chord)> + '_ {
+        self.with_area(self.pairs())
+    }
+
+    /// Those with a part on either side.
+    fn with_area<'a>(
+        &'a self,
+        chords: impl Iterator<Item = (usize, usize, Chord)> + 'a,
+    ) -> impl Iterator<Item = (usize, usize, Chord)> + 'a {
         let least_m2 = LEAST_SHARE * 0.5 * self.moments[self.points.len()];
-        self.pairs().filter(move |(_, _, chord)| chord.areas_m2.iter().all(|&area| area > least_m2))
+        chords.filter(move |(_, _, chord)| chord.areas_m2.iter().all(|&area| area > least_m2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{self, first};
+    use super::*;
+
+    #[test]
+    fn of_many_points_the_chord_is_nearly_the_best_of_all() {
+        let corner = |i: usize| DVec2::from_angle(std::f64::consts::TAU * i as f64 / 200.0) * DVec2::new(2.0, 1.0);
+        let mesh = sample::mesh(&[(0..200).map(corner).collect()]);
+        let boundary = mesh.boundary(first());
+        let outline = Outline::of(&mesh, first(), &boundary);
+        assert!(outline.points.len() > MANY_POINTS);
+        let score = |(i, j): (usize, usize)| SplitScore::WellShaped.of(&outline.chord(i, j).unwrap());
+        let found = outline.best_chord(SplitScore::WellShaped).unwrap();
+        let best = outline.best_of(outline.pairs(), SplitScore::WellShaped).unwrap();
+        assert!(score(found) < 1.02 * score(best), "{found:?} {best:?}");
+        let pairs = [outline.halving_pairs().count(), outline.pairs().count()];
+        assert!(8 * pairs[0] < pairs[1], "{pairs:?}");
     }
 }

@@ -78,6 +78,13 @@ impl Mesh {
         if attempt != Attempt::Whole {
             return attempt;
         }
+        let attempt = self.split_without_hints(patch, room);
+        // Nothing but the hints that wait is left.
+        if attempt == Attempt::Whole { self.edge_split_from(patch, room, 0) } else { attempt }
+    }
+
+    /// Splits a patch by its boundary points, or as a triangle.
+    fn split_without_hints(&mut self, patch: PatchId, room: usize) -> Attempt {
         let before = self.triangle_count;
         if self.settings.mend_bad_shapes {
             self.add_point_hints(patch, room);

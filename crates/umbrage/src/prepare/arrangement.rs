@@ -15,6 +15,7 @@ use smallvec::SmallVec;
 use super::Facing;
 use super::soup::Polygon;
 use super::triangulation::Triangulation;
+use crate::geometry::DisjointSets;
 use crate::id::{SkinId, SurfaceId, VertexId};
 
 /// What is seen of a cell from one side: polygons of one surface with one skin are one.
@@ -182,31 +183,22 @@ fn patch_areas(edges: &[PlaneEdge], soup: &[Polygon]) -> BTreeMap<u32, f64> {
     polygons.sort_unstable();
     polygons.dedup();
     let place = |p: u32| polygons.partition_point(|&other| other < p);
-    let mut parent: Vec<usize> = (0..polygons.len()).collect();
+    let mut sets = DisjointSets::new(polygons.len());
     for edge in edges {
         for (i, &(p, p_pass)) in edge.passes.iter().enumerate() {
             for &(q, q_pass) in &edge.passes[i + 1..] {
                 // Neighbours pass their common edge in opposite directions; polygons on top of each other do not.
                 if p_pass == -q_pass && soup[p as usize].surface == soup[q as usize].surface {
-                    let (p, q) = (root(&mut parent, place(p)), root(&mut parent, place(q)));
-                    parent[p.max(q)] = p.min(q);
+                    sets.join(place(p), place(q));
                 }
             }
         }
     }
     let mut area_m2 = vec![0.0; polygons.len()];
     for i in 0..polygons.len() {
-        area_m2[root(&mut parent, i)] += soup[polygons[i] as usize].area_m2;
+        area_m2[sets.first_of(i)] += soup[polygons[i] as usize].area_m2;
     }
-    polygons.iter().enumerate().map(|(i, &p)| (p, area_m2[root(&mut parent, i)])).collect()
-}
-
-fn root(parent: &mut [usize], mut i: usize) -> usize {
-    while parent[i] != i {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    i
+    polygons.iter().enumerate().map(|(i, &p)| (p, area_m2[sets.first_of(i)])).collect()
 }
 
 #[cfg(test)]

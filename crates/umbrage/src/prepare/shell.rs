@@ -7,6 +7,7 @@
 use std::collections::BTreeSet;
 
 use super::{DirectedEdge, Facing, Prepared};
+use crate::geometry::DisjointSets;
 use crate::id::{EdgeId, FaceId};
 
 /// The shells of a scene, counted.
@@ -22,12 +23,9 @@ pub struct Shells {
 
 /// Counts the shells of prepared faces.
 pub fn shells(prepared: &Prepared) -> Shells {
-    let mut root: Vec<usize> = (0..prepared.faces.len()).collect();
+    let mut shells = DisjointSets::new(prepared.faces.len());
     for edge in &prepared.edges {
-        for pair in edge.faces.windows(2) {
-            let (a, b) = (find(&mut root, pair[0].index()), find(&mut root, pair[1].index()));
-            root[a.max(b)] = a.min(b);
-        }
+        edge.faces.windows(2).for_each(|pair| shells.join(pair[0].index(), pair[1].index()));
     }
     let mut open_shells = BTreeSet::new();
     let mut open_edges = 0;
@@ -36,10 +34,10 @@ pub fn shells(prepared: &Prepared) -> Shells {
         let wing = |face: FaceId| (prepared.faces[face].plane, lies_left(prepared, face, id));
         if edge.faces.iter().all(|&face| wing(face) == wing(first)) {
             open_edges += 1;
-            open_shells.insert(find(&mut root, first.index()));
+            open_shells.insert(shells.first_of(first.index()));
         }
     }
-    let all: BTreeSet<usize> = (0..prepared.faces.len()).map(|face| find(&mut root, face)).collect();
+    let all: BTreeSet<usize> = (0..prepared.faces.len()).map(|face| shells.first_of(face)).collect();
     Shells { closed: all.len() - open_shells.len(), open: open_shells.len(), open_edges }
 }
 
@@ -48,15 +46,6 @@ fn lies_left(prepared: &Prepared, face: FaceId, edge: EdgeId) -> bool {
     let face = &prepared.faces[face];
     let reversed = face.sides.iter().flatten().any(|&e| e == DirectedEdge { edge, reversed: true });
     reversed == (face.facing == Facing::Against)
-}
-
-/// The least face of a shell, as far as it is known; shortens the way to it.
-fn find(root: &mut [usize], mut face: usize) -> usize {
-    while root[face] != face {
-        root[face] = root[root[face]];
-        face = root[face];
-    }
-    face
 }
 
 #[cfg(test)]

@@ -14,7 +14,10 @@
 //! Then gathering splits the leaves over which gathered light is uneven and near others. After that, points that look closely at a patch
 //! which is split now gather again from its face.
 
+use std::cell::RefCell;
+
 use super::bounced::{BouncedLight, Evenness};
+use super::bright_leaves::BrightLeaves;
 use super::field::Places;
 use super::irradiance::{Irradiance, Terms};
 use crate::id::{PatchId, Table};
@@ -106,9 +109,10 @@ pub fn bounce(
             surfaces.extend(scene, prepared, mesh, direct);
             solution = solved(mesh, surfaces)?;
         }
-        let gathered = |solution: &Solution, surfaces: &Surfaces| {
+        let bright = RefCell::new(BrightLeaves::default());
+        let gathered = |mesh: &Mesh, solution: &Solution, surfaces: &Surfaces| {
             let slope = |leaf: PatchId| (solution.irradiance[leaf] - surfaces.direct[leaf]).gradient;
-            bounced_light.over_leaves(&light, &solution.reflected, slope)
+            bounced_light.over_leaves(mesh, &light, &solution.reflected, &mut bright.borrow_mut(), slope)
         };
         solution = settled(links, &solved, &gathered, mesh, surfaces, solution, progress)?;
         let change = solution.relative_change(&sources, &looked_at);
@@ -135,7 +139,7 @@ fn lit_at_least(solution: &Solution, surfaces: &Surfaces, least: Rgb) -> Table<P
 fn settled(
     links: &Links,
     solved: &impl Fn(&Mesh, &Surfaces) -> Result<Solution, Cancelled>,
-    gathered: &impl Fn(&Solution, &Surfaces) -> Vec<(PatchId, Linear<Rgb>)>,
+    gathered: &impl Fn(&Mesh, &Solution, &Surfaces) -> Vec<(PatchId, Linear<Rgb>)>,
     mesh: &Mesh,
     surfaces: &mut Surfaces,
     mut solution: Solution,
@@ -144,7 +148,7 @@ fn settled(
     let (mut over_links, mut before) = (!links.is_empty(), f64::INFINITY);
     for number in 0..MOST_BOUNCES {
         progress.report(Stage::Solve, number, 0)?;
-        let of_leaves = gathered(&solution, surfaces).into_iter();
+        let of_leaves = gathered(mesh, &solution, surfaces).into_iter();
         let exactly: Vec<_> = of_leaves.map(|(leaf, gathered)| (leaf, surfaces.direct[leaf] + gathered)).collect();
         let bounced = if over_links {
             for (leaf, exactly) in exactly {

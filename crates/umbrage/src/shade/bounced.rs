@@ -14,6 +14,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
+use super::bright_leaves::BrightLeaves;
 use super::field::{MeshPoint, Places};
 use super::irradiance::{Irradiance, Terms};
 use super::refine::{OWN_TOLERANCES, least_within, worst};
@@ -242,13 +243,31 @@ impl BouncedLight {
         departure * (0.5 * (near(leaf.in_middle) + at_corners / count)).powi(2)
     }
 
-    /// Irradiance of the leaves where patches reflect `radiosity`, in W/m2; of those at whose corners nothing was gathered with the slope
-    /// that is given.
+    /// Irradiance of the leaves of `mesh` where patches reflect `radiosity`, in W/m2; of those at whose corners nothing was gathered with
+    /// the slope that is given.
     pub(super) fn over_leaves(
+        &self,
+        mesh: &Mesh,
+        light: &Irradiance<'_>,
+        radiosity: &Table<PatchId, Linear<Rgb>>,
+        bright: &mut BrightLeaves,
+        slope: impl Fn(PatchId) -> [Rgb; 2] + Sync,
+    ) -> Vec<(PatchId, Linear<Rgb>)> {
+        let gathered = self.over_leaves_by_terms(light, radiosity, &slope);
+        let power_w =
+            |(patch, gathered): &(PatchId, Linear<Rgb>)| mesh.patch(*patch).area_m2 * gathered.mean.element_sum();
+        let received_w = gathered.iter().map(power_w).sum();
+        match bright.scaled(light, radiosity, received_w, || self.weighted_terms(mesh)) {
+            Some(scaled) => self.over_leaves_by_terms(light, &scaled, &slope),
+            None => gathered,
+        }
+    }
+
+    fn over_leaves_by_terms(
         &self,
         light: &Irradiance<'_>,
         radiosity: &Table<PatchId, Linear<Rgb>>,
-        slope: impl Fn(PatchId) -> [Rgb; 2] + Sync,
+        slope: &(impl Fn(PatchId) -> [Rgb; 2] + Sync),
     ) -> Vec<(PatchId, Linear<Rgb>)> {
         let crowds = light.crowds_of(radiosity);
         let values: Vec<Rgb> = self.points.par_iter().map(|(_, terms)| terms.sum(radiosity, &crowds)).collect();
@@ -262,6 +281,30 @@ impl BouncedLight {
             (patch, if is_plain { plain() } else { over_leaf(in_middle, &corners) })
         };
         self.leaves.par_iter().map(over).collect()
+    }
+
+    /// What its points see, with the area of the leaves that each stands for, in square metres.
+    fn weighted_terms(&self, mesh: &Mesh) -> Vec<(&Terms, f64)> {
+        let mut weighted: Vec<(&Terms, f64)> = self.points.iter().map(|(_, terms)| (terms, 0.0)).collect();
+        for (&patch, leaf) in &self.leaves {
+            let area_m2 = mesh.patch(patch).area_m2;
+            // The mean over a leaf is a sum over its points: each has the weight of a field that is 1 there and 0 at the others.
+            let of_point = |number: Option<usize>| {
+                let one = |is_there: bool| Rgb::splat(f64::from(u8::from(is_there)));
+                let corners: SmallVec<[(DVec2, Rgb); 4]> = leaf
+                    .corners
+                    .iter()
+                    .enumerate()
+                    .map(|(i, &(offset_m, _))| (offset_m, one(number == Some(i))))
+                    .collect();
+                area_m2 * over_leaf(one(number.is_none()), &corners).mean.x
+            };
+            let all = (0..leaf.corners.len()).map(Some).chain([None]);
+            for (number, at) in all.map(|at| (at.map_or(leaf.in_middle, |i| leaf.corners[i].1), at)) {
+                weighted[number as usize].1 += if leaf.corners.is_empty() { area_m2 } else { of_point(at) };
+            }
+        }
+        weighted
     }
 
     /// What its points see.

@@ -111,6 +111,16 @@ impl<'a> Irradiance<'a> {
         Self { memory, ..self }
     }
 
+    /// The mesh whose patches reflect.
+    pub(super) fn mesh(&self) -> &'a Mesh {
+        self.mesh
+    }
+
+    /// The faces that are there.
+    pub(super) fn prepared(&self) -> &'a Prepared {
+        self.prepared
+    }
+
     /// Irradiance by reflection, in W/m2, at a point; below zero where what is reflected falls so steeply that its linear fit
     /// does.
     pub fn indirect(&self, receiver: &ReceiverPoint) -> Rgb {
@@ -211,6 +221,11 @@ impl Terms {
     pub fn fits(&self, (patches, clusters): (usize, usize), extent_m: f64) -> bool {
         self.of_patches.iter().all(|term| term.fits(patches, extent_m))
             && self.of_crowds.iter().all(|term| term.fits(clusters))
+    }
+
+    /// Those of patches.
+    pub(super) fn patches(&self) -> &[Term] {
+        &self.of_patches
     }
 
     /// Their sum where patches reflect `radiosity` and crowds send what they do then, in W/m2.

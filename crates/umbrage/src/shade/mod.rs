@@ -4,6 +4,7 @@ mod assemble;
 mod baked_mesh;
 mod bounce;
 mod bounced;
+mod bright_leaves;
 mod corner_group;
 mod crowd;
 mod direct;

@@ -31,7 +31,7 @@ const LARGE_OF_ALL: f64 = 2e-3;
 pub(super) const OWN_TOLERANCES: f64 = 10.0;
 /// Leaves smaller than this share of all area may.
 pub(super) const LEAST_OF_ALL: f64 = 1e-7;
-/// No leaf is split that has no more area than a square with sides of this share of the scene's extent: an eighth of the radius over
+/// No leaf is split that has no more area than a square with sides of this share of the scene's extent: a sixteenth of the radius over
 /// which light is spread where a lamp touches a surface, and 30 times the size of what input and output round.
 const MIN_EDGE_OF_SCENE: f64 = 2.5e-5;
 /// Leaves smaller than this share of all area may leak.

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use super::form_factor::factor_of_seen;
 use super::lamps::Lamps;
-use super::near_surface::{spread, unoccluded};
+use super::near_surface::unoccluded;
 use super::ray_lattice::{cosine_direction, point_of};
 use crate::id::{FaceId, LampId, Table};
 use crate::prepare::Prepared;
@@ -119,7 +119,7 @@ pub(super) fn of_lamps(lamps: &Lamps, prepared: &Prepared, visibility: &Visibili
                     if arriving_w.max_element() > 0.0 {
                         // What is shown there may be spread.
                         let receiver = ReceiverPoint::on_face(prepared, face, point_m);
-                        let irradiance = spread(lamp, &receiver, lamps.spread_m()).unwrap_or(irradiance);
+                        let irradiance = lamps.unoccluded(id, &receiver);
                         sent.places.push(BrightPlace { face, point_m, area_m2, irradiance, lamp: Some(id) });
                     }
                 }

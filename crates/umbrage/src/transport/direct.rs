@@ -59,7 +59,7 @@ impl<'a> DirectLight<'a> {
                 exitance: material(face).exitance(),
             })
             .collect();
-        let lamps = Lamps::new(scene, prepared);
+        let lamps = Lamps::new(scene, prepared, visibility);
         Self { prepared, visibility, emitters, lamps, memory: SourceMemory::None }
     }
 
@@ -119,67 +119,69 @@ impl<'a> DirectLight<'a> {
     pub fn over(&self, mesh: &Mesh, patch: PatchId) -> Linear<Rgb> {
         let samples = self.samples(mesh, patch, |receiver| self.at(receiver));
         Linear::fit(samples.iter().copied())
-            + self.missed_by_samples(mesh, patch)
+            + self.missed_of_lamps(mesh, patch)
             + self.missed_of_near_emitters(mesh, patch)
     }
 
     /// The light of emitters that are small and near, less what the sample points of a patch tell of it, in W/m2.
     fn missed_of_near_emitters(&self, mesh: &Mesh, patch: PatchId) -> Linear<Rgb> {
-        let mut missed = Linear::default();
         let receiving = ReceivingPatch::new(self.prepared, self.visibility, mesh, patch);
-        for emitter in self.emitters.iter().filter(|emitter| receiving.is_small_and_near(&emitter.extent)) {
-            let factor = |receiver: &ReceiverPoint| factor_of_seen(self.visibility, receiver, &emitter.polygon, None);
-            let sampled = self.fit(mesh, patch, |receiver| Rgb::splat(factor(receiver)));
-            let exact = receiving.factor_by_reciprocity(emitter.face, &emitter.extent);
-            // Of how light varies the samples tell as little as of its mean: the same share of it is kept.
-            let kept = if sampled.mean.x > 0.0 { exact / sampled.mean.x } else { 0.0 };
-            let of_mean = Linear { mean: Rgb::splat(exact), gradient: sampled.gradient.map(|slope| kept * slope) };
-            let Linear { mean, gradient } = of_mean - sampled;
-            missed = missed
-                + Linear { mean: emitter.exitance * mean, gradient: gradient.map(|slope| emitter.exitance * slope) };
-        }
-        missed
+        let near = self.emitters.iter().filter(|emitter| receiving.is_small_and_near(&emitter.extent));
+        let missed = |emitter: &Emitter| {
+            let at = |receiver: &ReceiverPoint| {
+                emitter.exitance * factor_of_seen(self.visibility, receiver, &emitter.polygon, None)
+            };
+            let mean = emitter.exitance * receiving.factor_by_reciprocity(emitter.face, &emitter.extent);
+            self.missed_by_samples(mesh, patch, mean, at)
+        };
+        near.map(missed).fold(Linear::default(), |sum, missed| sum + missed)
     }
 
-    /// The light of lamps near a patch, whose flux into it is known, less what sample points tell of it.
-    fn missed_by_samples(&self, mesh: &Mesh, patch: PatchId) -> Linear<Rgb> {
-        let mut missed = Linear::default();
+    /// The light of lamps near a patch, whose flux into it is known, less what its sample points tell of it, in W/m2.
+    fn missed_of_lamps(&self, mesh: &Mesh, patch: PatchId) -> Linear<Rgb> {
         if self.lamps.is_empty() {
-            return missed;
+            return Linear::default();
         }
         let face = mesh.patch(patch).face;
         let polygon = SourcePolygon::on_face(self.prepared, face, mesh.polygon_m(patch));
         let polygon = FlatSource::new(&polygon, *mesh.frame(face));
-        let middle = mesh.frame(face).to_2d(mesh.patch(patch).centroid_m);
-        for lamp in self.lamps.uneven_over(&polygon, mesh.patch(patch).centroid_m) {
-            let of_lamp = |receiver: &ReceiverPoint| {
-                let known = self.memory.at(receiver).and_then(|known| known.sees(lamp));
-                self.lamps.of_one(lamp, self.visibility, receiver, known).unwrap_or_default()
-            };
-            let sampled = self.fit(mesh, patch, of_lamp);
+        let missed = |lamp: LampId| {
             let mean = self.lamps.flux_w(lamp, self.visibility, &polygon) / mesh.patch(patch).area_m2;
-            // The slope that samples tell, as far as nothing gets below zero.
-            let told = |slope: Rgb| {
-                let share = mean.element_sum() / sampled.mean.element_sum();
-                if share.is_finite() { slope * share } else { Rgb::ZERO }
-            };
-            let mut exact = Linear { mean, gradient: sampled.gradient.map(told) };
-            let lowest =
-                polygon.corners_m.iter().map(|&p| exact.at(p - middle).element_sum()).fold(f64::INFINITY, f64::min);
-            if lowest < 0.0 {
-                let kept = mean.element_sum() / (mean.element_sum() - lowest);
-                exact.gradient = exact.gradient.map(|slope| slope * kept);
-            }
-            missed = missed + exact - sampled;
+            self.missed_by_samples(mesh, patch, mean, |receiver| self.of_lamp(lamp, receiver))
+        };
+        let near = self.lamps.uneven_over(&polygon, mesh.patch(patch).centroid_m);
+        near.map(missed).fold(Linear::default(), |sum, missed| sum + missed)
+    }
+
+    /// The light of a source whose mean over a patch is known, less what the sample points tell of it, in W/m2. Of how it varies they
+    /// tell as little as of its mean: their slope is kept in proportion, as far as nothing gets below zero.
+    fn missed_by_samples(
+        &self,
+        mesh: &Mesh,
+        patch: PatchId,
+        mean: Rgb,
+        at: impl Fn(&ReceiverPoint) -> Rgb,
+    ) -> Linear<Rgb> {
+        let sampled = self.fit(mesh, patch, at);
+        let share = mean.element_sum() / sampled.mean.element_sum();
+        let in_proportion = |slope: Rgb| if share.is_finite() { share * slope } else { Rgb::ZERO };
+        let mut exact = Linear { mean, gradient: sampled.gradient.map(in_proportion) };
+        let frame = mesh.frame(mesh.patch(patch).face);
+        let middle = frame.to_2d(mesh.patch(patch).centroid_m);
+        let at_corner = |p: &DVec3| exact.at(frame.to_2d(*p) - middle).element_sum();
+        let lowest = mesh.polygon_m(patch).iter().map(at_corner).fold(f64::INFINITY, f64::min);
+        if lowest < 0.0 {
+            let kept = mean.element_sum() / (mean.element_sum() - lowest);
+            exact.gradient = exact.gradient.map(|slope| slope * kept);
         }
-        missed
+        exact - sampled
     }
 
     /// Mean irradiance of a patch, and the mean of how far that of its sample points, or of the bright places in it, departs from the
     /// best linear fit, in W/m2.
     pub(super) fn mean_and_departure(&self, mesh: &Mesh, patch: PatchId, places: &[&BrightPlace]) -> [Rgb; 2] {
         let samples = self.samples(mesh, patch, |receiver| self.at(receiver));
-        let fit = Linear::fit(samples.iter().copied()) + self.missed_by_samples(mesh, patch);
+        let fit = Linear::fit(samples.iter().copied()) + self.missed_of_lamps(mesh, patch);
         let frame = mesh.frame(mesh.patch(patch).face);
         let centre = frame.to_2d(mesh.patch(patch).centroid_m);
         let at_place = |place: &&BrightPlace| {
@@ -243,7 +245,7 @@ impl<'a> DirectLight<'a> {
         let patches: Vec<PatchId> = mesh.patches().map(|(patch, _)| patch).collect();
         let over = |leaf| match self.lamps.is_empty() {
             true => Linear::default(),
-            false => self.fit(mesh, leaf, at) + self.missed_by_samples(mesh, leaf),
+            false => self.fit(mesh, leaf, at) + self.missed_of_lamps(mesh, leaf),
         };
         fit_leaves(mesh, &patches, over).into()
     }

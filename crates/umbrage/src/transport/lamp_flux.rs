@@ -7,7 +7,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::geometry::Plane;
+use crate::geometry::{Plane, PlaneFrame};
 use crate::id::PlaneId;
 use crate::scene::{Lamp, LampKind, Rgb};
 use crate::visibility::{FlatSource, ReceiverPoint, Visibility};
@@ -41,12 +41,15 @@ pub(super) fn flux_w(visibility: &Visibility, lamp: &Lamp, receiver: &ReceiverPo
     if seen.is_nothing() {
         return Rgb::ZERO;
     }
-    let into = |corners_m: &[DVec2]| -> Rgb {
-        let corners_m: Vec<DVec3> = corners_m.iter().map(|&p| polygon.frame.to_3d(p) - receiver.position_m).collect();
-        let fan = corners_m.get(1..).unwrap_or_default().windows(2);
-        fan.map(|pair| into_triangle(lamp, receiver.position_m, [corners_m[0], pair[0], pair[1]], 0)).sum()
-    };
+    let into = |corners_m: &[DVec2]| into_polygon(lamp, receiver.position_m, &polygon.frame, corners_m);
     seen.measure(into).max(Rgb::ZERO)
+}
+
+/// Flux that a lamp would send into a polygon of a plane if nothing stood between, in W.
+pub(super) fn into_polygon(lamp: &Lamp, lamp_m: DVec3, frame: &PlaneFrame, corners_m: &[DVec2]) -> Rgb {
+    let corners_m: Vec<DVec3> = corners_m.iter().map(|&p| frame.to_3d(p) - lamp_m).collect();
+    let fan = corners_m.get(1..).unwrap_or_default().windows(2);
+    fan.map(|pair| into_triangle(lamp, lamp_m, [corners_m[0], pair[0], pair[1]], 0)).sum()
 }
 
 /// Flux into a triangle whose corners are given from the lamp, in W.

@@ -2,9 +2,10 @@
 //! light is spread a little ([`super::near_surface`]).
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::lamp_flux;
-use super::near_surface::{self, SPREAD_OF_EXTENT};
+use super::near_surface::{self, SPREAD_OF_EXTENT, SpreadDisc};
 use crate::id::{LampId, PlaneId, Table};
 use crate::prepare::Prepared;
 use crate::scene::{Lamp, LampKind, Rgb, Scene};
@@ -16,8 +17,8 @@ pub(super) struct Lamps {
     lamps: Table<LampId, Lamp>,
     /// A ray of this length from anywhere inside the scene leaves it, in metres.
     outside_m: f64,
-    /// The light of a lamp that is nearer to a surface than this is spread so far, in metres.
-    spread_m: f64,
+    /// Where the light of each is spread, on surfaces that it nearly touches.
+    discs: Table<LampId, Vec<SpreadDisc>>,
     /// A plane that no face lies in.
     no_plane: PlaneId,
 }
@@ -26,13 +27,13 @@ pub(super) struct Lamps {
 const DIAGONAL_OF_EXTENT: f64 = 1.75;
 
 impl Lamps {
-    pub(super) fn new(scene: &Scene, prepared: &Prepared) -> Self {
-        Self {
-            lamps: visibility::lamps(scene, prepared),
-            outside_m: DIAGONAL_OF_EXTENT * prepared.tolerance.extent_m,
-            spread_m: SPREAD_OF_EXTENT * prepared.tolerance.extent_m,
-            no_plane: PlaneId::from(prepared.planes.len()),
-        }
+    pub(super) fn new(scene: &Scene, prepared: &Prepared, visibility: &Visibility) -> Self {
+        let lamps = visibility::lamps(scene, prepared);
+        let no_plane = PlaneId::from(prepared.planes.len());
+        let spread_m = SPREAD_OF_EXTENT * prepared.tolerance.extent_m;
+        let discs = |lamp: &Lamp| near_surface::discs(lamp, prepared, visibility, no_plane, spread_m);
+        let discs = lamps.raw.par_iter().map(discs).collect::<Vec<_>>().into();
+        Self { lamps, outside_m: DIAGONAL_OF_EXTENT * prepared.tolerance.extent_m, discs, no_plane }
     }
 
     /// The lamps.
@@ -45,9 +46,11 @@ impl Lamps {
         self.outside_m
     }
 
-    /// The light of a lamp that is nearer to a surface than this is spread so far, in metres.
-    pub(super) fn spread_m(&self) -> f64 {
-        self.spread_m
+    /// Irradiance that one lamp would bring to a point if nothing stood between, in W/m2: spread, where it nearly touches the surface.
+    pub(super) fn unoccluded(&self, id: LampId, receiver: &ReceiverPoint) -> Rgb {
+        let lamp = &self.lamps[id];
+        let spread = self.discs[id].iter().find_map(|disc| disc.irradiance(lamp, receiver));
+        spread.unwrap_or_else(|| near_surface::unoccluded(lamp, receiver.position_m, receiver.normal))
     }
 
     /// Whether there are none.
@@ -91,8 +94,7 @@ impl Lamps {
     /// where it brings none.
     pub(super) fn unoccluded(&self, id: LampId, receiver: &ReceiverPoint) -> Option<(Rgb, DVec3)> {
         let lamp = &self.lamps[id];
-        let spread = near_surface::spread(lamp, receiver, self.spread_m);
-        let light = spread.unwrap_or_else(|| near_surface::unoccluded(lamp, receiver.position_m, receiver.normal));
+        let light = self.unoccluded(id, receiver);
         // Grazing light brings nothing, and whether it is seen is rounding.
         if light.max_element() <= 0.0 {
             return None;
@@ -173,7 +175,7 @@ mod tests {
             let mut scene = Scene::default();
             scene.lamps.push(Lamp { name: String::new(), kind });
             let receiver = ReceiverPoint::on_face(&prepared, FaceId::from(0), p);
-            Lamps::new(&scene, &prepared).at(&visibility, &receiver, |_| None, &mut Vec::new()).x
+            Lamps::new(&scene, &prepared, &visibility).at(&visibility, &receiver, |_| None, &mut Vec::new()).x
         };
         let lamp = LampKind::Point { position_m: DVec3::Z * 2.0, intensity: Rgb::ONE, range_m: None };
         // The shadow of the plate is twice as large as it.

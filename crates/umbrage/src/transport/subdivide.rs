@@ -34,6 +34,10 @@ use crate::visibility::Visibility;
 
 /// So many pairs of faces are subdivided between two reports of progress.
 const PAIRS_PER_REPORT: usize = 64;
+/// With more pairs than this, a pair that the oracle would link as it is takes no link where a patch of it holds a D0 hint: the parts of a
+/// jagged shadow of a thousand edges, times as many slim faces, are a million faint links. The exact bounce gathers what they miss
+/// (`shade::bounce`). Rooms and buildings have some ten thousand pairs.
+const MOST_PAIRS: usize = 100_000;
 /// So many links are computed between two reports of progress.
 const LINKS_PER_REPORT: usize = 256;
 
@@ -103,6 +107,10 @@ impl<O: Oracle> Subdivision<'_, O> {
         match self.oracle.decide(self.mesh, [p, q]) {
             Decision::Unseen => {}
             decision => {
+                let is_much = self.pairs.len() > MOST_PAIRS;
+                if is_much && decision == Decision::Link && [p, q].iter().any(|&patch| self.is_divided_by_d0(patch)) {
+                    return;
+                }
                 if self.split_by_d0(p) {
                     self.subdivide_parts(p, q);
                 } else if self.split_by_d0(q) {
@@ -121,6 +129,12 @@ impl<O: Oracle> Subdivision<'_, O> {
         for part in self.mesh.patch(r).subpatches.into_iter().flatten() {
             self.subdivide(part, s);
         }
+    }
+
+    /// Whether a patch holds a D0 hint, or did when it was split.
+    fn is_divided_by_d0(&self, patch: Node) -> bool {
+        self.oracle.splits_d0_first()
+            && (self.mesh.has_d0_hint(patch) || self.divided_by_d0.get(patch.index()).copied().unwrap_or(false))
     }
 
     /// Splits a patch that holds a D0 hint; true where it holds or held one and has parts.

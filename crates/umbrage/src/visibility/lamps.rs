@@ -2,14 +2,15 @@
 //!
 //! A lamp that lies in a surface within rounding would be before it or behind it by chance: on the edge of a box, in the corner of a
 //! room. It is taken to be in front, since there its maker put it: each face that it lies on pushes it forward, to twice the
-//! distance below which a point lies in a plane. Of a sheet with two sides, the side of the first face counts.
+//! distance below which a point lies in a plane. Of a sheet with two sides, the side of the first face counts; and a lamp on the border
+//! of a sheet is moved as far inward, since rounding would decide what sees it past that border.
 //!
 //! Holds after: no lamp lies in a face within rounding, unless faces that look at each other are nearer than that.
 
 use glam::DVec3;
 
 use crate::geometry::polygon;
-use crate::id::{LampId, Table};
+use crate::id::{FaceId, LampId, Table};
 use crate::prepare::Prepared;
 use crate::scene::{Lamp, LampKind, Scene};
 
@@ -34,20 +35,36 @@ pub fn lamps(scene: &Scene, prepared: &Prepared) -> Table<LampId, Lamp> {
 fn before_surfaces(prepared: &Prepared, point_m: DVec3) -> DVec3 {
     let near_m = prepared.tolerance.coplanar_m();
     let least_m = BEFORE_OF_COPLANAR * near_m;
-    let lies_on = prepared.faces.keys().filter(|&face| {
+    let lies_on = |&face: &FaceId| {
         let plane = prepared.oriented_plane(face);
         plane.signed_distance_m(point_m).abs() < near_m
             && polygon::distance_m(point_m, &prepared.polygon_m(face), &plane) < near_m
-    });
+    };
+    let lies_on: Vec<FaceId> = prepared.faces.keys().filter(lies_on).collect();
+    let Some(&first) = lies_on.first() else { return point_m };
     let (mut moved_m, mut pushed): (DVec3, Vec<DVec3>) = (point_m, Vec::new());
-    for face in lies_on {
+    for &face in &lies_on {
         let plane = prepared.oriented_plane(face);
         if pushed.iter().all(|normal| normal.dot(plane.normal) > OPPOSITE) {
             moved_m += (least_m - plane.signed_distance_m(moved_m)).max(0.0) * plane.normal;
             pushed.push(plane.normal);
         }
     }
-    moved_m
+    let is_sheet = lies_on.iter().all(|&face| prepared.faces[face].plane == prepared.faces[first].plane);
+    if is_sheet { inward(prepared, first, moved_m, near_m, least_m) } else { moved_m }
+}
+
+/// A point before a face, at least `least_m` inside of those sides that it is nearer to than `near_m`.
+fn inward(prepared: &Prepared, face: FaceId, point_m: DVec3, near_m: f64, least_m: f64) -> DVec3 {
+    let (corners_m, normal) = (prepared.polygon_m(face), prepared.normal(face));
+    let next = |i: usize| corners_m[(i + 1) % corners_m.len()];
+    let sides =
+        corners_m.iter().enumerate().map(|(i, &from_m)| (from_m, normal.cross(next(i) - from_m).normalize_or_zero()));
+    let move_in = |moved_m: DVec3, (from_m, inward): (DVec3, DVec3)| {
+        let inside_m = inward.dot(moved_m - from_m);
+        if inside_m < near_m { moved_m + (least_m - inside_m) * inward } else { moved_m }
+    };
+    sides.fold(point_m, move_in)
 }
 
 #[cfg(test)]
@@ -86,5 +103,10 @@ mod tests {
         let sheet = [fixture::square(DVec3::ZERO, 1.0, true), fixture::square(DVec3::ZERO, 1.0, false)];
         let at_m = moved_m(&sheet, DVec3::new(0.1, 0.2, 0.0));
         assert!(at_m.z.abs() > 1e-6, "{at_m}");
+        // On its border and in its corner, too, where it would be seen past them by chance.
+        for (x, y) in [(1.0, 0.2), (1.0 + 3e-13, 1.0 - 1e-13)] {
+            let at_m = moved_m(&sheet, DVec3::new(x, y, 0.0));
+            assert!(at_m.z.abs() > 1e-6 && at_m.x < 1.0 - 1e-6 && (y < 0.9 || at_m.y < 1.0 - 1e-6), "{at_m}");
+        }
     }
 }
