@@ -88,7 +88,8 @@ impl Surroundings<'_> {
     /// The degree of a curve; `None` where a lamp has none of its kind on a face.
     fn degree_of(&self, lamp: &Lamp, face: FaceId, curve: LampCurve) -> Option<Degree> {
         let is_flat = !self.prepared.is_smooth(face);
-        let is_before = |position_m| self.prepared.oriented_plane(face).signed_distance_m(position_m) > self.coplanar_m();
+        let is_before =
+            |position_m| self.prepared.oriented_plane(face).signed_distance_m(position_m) > self.coplanar_m();
         match (curve, lamp.kind) {
             (LampCurve::Terminator, _) => (!is_flat).then_some(Degree::D1),
             (_, LampKind::Point { position_m, .. } | LampKind::Spot { position_m, .. })
@@ -157,7 +158,8 @@ impl Surroundings<'_> {
     pub(super) fn of_lamp_curve(&self, segment: &DSegment, at_m: DVec3, across: DVec3, lamp: LampId) -> Rgb {
         let lamp = &self.features.lamps[lamp];
         let step_m = BESIDE * segment.length_m();
-        let [before, on, beyond] = [-1.0, 0.0, 1.0].map(|s| self.brought(lamp, segment.face, at_m + s * step_m * across));
+        let [before, on, beyond] =
+            [-1.0, 0.0, 1.0].map(|s| self.brought(lamp, segment.face, at_m + s * step_m * across));
         let kink = beyond + before - 2.0 * on;
         match segment.degree {
             Degree::D0 => beyond - before,

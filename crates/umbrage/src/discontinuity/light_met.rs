@@ -52,7 +52,8 @@ pub(super) fn mean_irradiance(prepared: &Prepared, visibility: &Visibility, feat
         }
         if sent > 0.0 { met / sent * flux_w.element_sum() / 3.0 } else { 0.0 }
     };
-    let flux_w = features.emitters.iter().map(of_emitter).sum::<f64>() + features.lamps.iter().map(of_lamp).sum::<f64>();
+    let flux_w =
+        features.emitters.iter().map(of_emitter).sum::<f64>() + features.lamps.iter().map(of_lamp).sum::<f64>();
     flux_w / area_m2.max(f64::MIN_POSITIVE)
 }
 

@@ -76,7 +76,8 @@ fn add_around(prepared: &Prepared, face: FaceId, near: &mut Vec<FaceId>) {
                 for &other in beyond.iter().filter(|&&other| other != here) {
                     // Of a sheet whose front goes on, the back too.
                     let same_plane = |&twin: &FaceId| prepared.faces[twin].plane == prepared.faces[other].plane;
-                    if is_behind(prepared, other, here) || beyond.iter().any(|twin| same_plane(twin) && goes_on(*twin)) {
+                    if is_behind(prepared, other, here) || beyond.iter().any(|twin| same_plane(twin) && goes_on(*twin))
+                    {
                         near.push(other);
                     }
                     if !met.contains(&other) && goes_on(other) {
