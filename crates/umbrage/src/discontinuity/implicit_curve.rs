@@ -39,12 +39,24 @@ pub(super) fn chords(
     match within.filter(|&p| is_inside(p) && side(p) > 0.0) {
         Some(p) => {
             for half in [clip::left_of(corners, p, p + DVec2::X), clip::left_of(corners, p + DVec2::X, p)] {
-                in_polygon(&half, &side, leaves, &mut found);
+                in_polygon(&with_point(half, p), &side, leaves, &mut found);
             }
         }
         None => in_polygon(corners, &side, leaves, &mut found),
     }
     found
+}
+
+/// A polygon with a point of one of its sides as a corner: on a long side the curve would be between the points that are looked at.
+fn with_point(mut corners: Vec<DVec2>, p: DVec2) -> Vec<DVec2> {
+    let distance = |&i: &usize| {
+        let (from, to) = (corners[i], corners[(i + 1) % corners.len()]);
+        let share = ((p - from).dot(to - from) / (to - from).length_squared()).clamp(0.0, 1.0);
+        from.lerp(to, share).distance(p)
+    };
+    let nearest = (0..corners.len()).min_by(|i, j| distance(i).total_cmp(&distance(j)));
+    corners.insert(nearest.map_or(0, |i| i + 1), p);
+    corners
 }
 
 fn in_polygon(corners: &[DVec2], side: &impl Fn(DVec2) -> f64, leaves: f64, found: &mut Vec<[DVec2; 2]>) {
@@ -128,6 +140,12 @@ mod tests {
         assert!((30..70).contains(&found.len()), "{}", found.len());
         assert!((length(&found) / (1.2 * PI) - 1.0).abs() < 2e-3);
         assert!(found.iter().flatten().all(|end| (end.distance(middle) - 0.6).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_small_circle_is_not_lost_between_points() {
+        let found = chords(&square(), Some(DVec2::new(0.3, 0.4)), |p| 1e-3 - p.distance(DVec2::new(0.3, 0.4)), 0.02);
+        assert!((length(&found) / (2e-3 * PI) - 1.0).abs() < 3e-3, "{}", length(&found));
     }
 
     #[test]
