@@ -90,6 +90,7 @@ impl Writer<'_> {
             Event::LampEdge { lamp, occluder } => {
                 record.with("lamp", lamp.index().to_string()).with("occluder", self.edge(occluder))
             }
+            Event::LampCurve { lamp, .. } => record.with("lamp", lamp.index().to_string()),
             Event::EdgeEdge { emitter, source, occluder } => record
                 .with("emitter", emitter.index().to_string())
                 .with("source", self.edge(source))

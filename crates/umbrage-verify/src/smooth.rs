@@ -5,7 +5,8 @@
 //! - An edge is smooth if two polygons pass along it in opposite directions, in two planes that bend by no more than 61 degrees, and
 //!   if their normals, all of use, differ by no more than half of the bend at both ends.
 //! - A polygon with a smooth edge is part of a smooth surface. A point of it receives by the interpolated normal. Itself, and
-//!   the polygons that have a corner in common with it, it sees from a point above: it is moved along its normal, as far as the tangent
+//!   the polygons that have a corner in common with it, unless they stand in front of it and its surface does not go on in them, it sees
+//!   from a point above: it is moved along its normal, as far as the tangent
 //!   planes at the corners lie over it, by the weights of the corners (Hanika, *Hacking the shadow terminator*, Ray Tracing Gems II,
 //!   2021), and a hair further. All else it sees from where it is.
 
@@ -92,6 +93,15 @@ impl SmoothSurfaces {
                 around.extend(few.flatten());
                 around.sort_unstable();
                 around.dedup();
+                let same_m = SAME_OF_EXTENT * extent_m;
+                let goes_on = |other: &Polygon| (0..other.corners.len()).any(|j| is_one_surface_at(polygon, other, j));
+                let is_around: Vec<bool> = around
+                    .iter()
+                    .map(|&other| &polygons[other as usize])
+                    .map(|other| (other.at_m - polygon.at_m).dot(polygon.front) <= same_m || goes_on(other))
+                    .collect();
+                let mut is_around = is_around.into_iter();
+                around.retain(|_| is_around.next().unwrap_or(true));
             }
             smooth.around.push(around);
         }
@@ -106,6 +116,12 @@ fn is_bent(p: &Polygon, q: &Polygon, same_m: f64) -> bool {
 
 /// Polygons whose normals differ by more lie in different planes.
 const BENT: f64 = 1e-6;
+
+/// Whether two polygons have the same normal, up to half of the bend, at a corner of the second that is one of the first.
+fn is_one_surface_at(p: &Polygon, q: &Polygon, corner: usize) -> bool {
+    let same = p.corners.iter().position(|name| *name == q.corners[corner]);
+    same.is_some_and(|i| is_smooth_at([p, q], [i, corner]))
+}
 
 fn is_smooth_at(polygons: [&Polygon; 2], corners: [usize; 2]) -> bool {
     let [p, q] = polygons;

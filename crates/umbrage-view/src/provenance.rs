@@ -117,6 +117,7 @@ impl Teller<'_> {
             Event::EdgeVertex { emitter, occluder, .. } => {
                 format!("{name}: a corner of {} before an edge of {}", self.vertex(occluder), self.emitter(emitter))
             }
+            Event::LampCurve { lamp, .. } => format!("{name}: of {:?}", self.scene.lamps[lamp].name),
             Event::LampEdge { lamp, occluder } => {
                 format!("{name}: an edge of {} before {:?}", self.edge(occluder), self.scene.lamps[lamp].name)
             }

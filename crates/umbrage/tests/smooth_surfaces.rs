@@ -165,6 +165,47 @@ fn nothing_shines_through_a_sheet() {
     }
 }
 
+/// Whether a ray from a point meets a triangle (Moeller and Trumbore).
+fn meets(from_m: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
+    let (p, q) = (b - a, c - a);
+    let across = direction.cross(q);
+    let determinant = p.dot(across);
+    let s = (from_m - a).dot(across) / determinant;
+    let turned = (from_m - a).cross(p);
+    let t = direction.dot(turned) / determinant;
+    s >= 0.0 && t >= 0.0 && s + t <= 1.0 && q.dot(turned) / determinant > 0.0
+}
+
+#[test]
+fn a_ball_that_is_sunk_into_another_shades_it_from_where_it_is() {
+    let towards = DVec3::new(0.6, 0.0, 0.8);
+    let mut scene = scene(grey(), LampKind::Directional { direction: -towards, irradiance: Rgb::ONE });
+    ball(&mut scene.surfaces.raw[0], 9, 12, |_, _| 1.0);
+    let mut head = Surface::new(NodeId::from(0), MaterialId::from(0));
+    ball(&mut head, 9, 12, |_, _| 0.6);
+    head.positions_m.iter_mut().for_each(|at_m| *at_m = (*at_m + 1.3 * DVec3::Z).as_vec3().as_dvec3());
+    let triangles: Vec<[DVec3; 3]> =
+        head.polygons.iter().map(|polygon| [0, 1, 2].map(|i| head.positions_m[polygon[i] as usize])).collect();
+    scene.surfaces.push(head);
+    let (mut shaded, mut lit) = (0, 0);
+    // A point of an edge may lie on either side of a shadow's edge: those a hair to all sides must agree.
+    for (at_m, normal, light) in direct_light(&scene) {
+        if at_m.length() > 1.0 + 1e-6 || normal.dot(at_m.normalize()) < 0.9 || normal.dot(towards) < 0.5 {
+            continue;
+        }
+        let hidden = |by: DVec3| triangles.iter().any(|&triangle| meets(at_m + 1e-3 * by, towards, triangle));
+        let (u, v) = towards.any_orthonormal_pair();
+        let all = [u, -u, v, -v].map(hidden);
+        if all != [all[0]; 4] {
+            continue;
+        }
+        let truth = if all[0] { 0.0 } else { normal.dot(towards) };
+        assert!((light - truth).abs() < 1e-9, "{light} is not {truth} at {at_m}");
+        *(if all[0] { &mut shaded } else { &mut lit }) += 1;
+    }
+    assert!(shaded > 50 && lit > 50, "{shaded} {lit}");
+}
+
 #[test]
 fn a_normal_that_is_turned_away_counts_for_nothing() {
     let mut scene = scene(grey(), LampKind::Directional { direction: DVec3::NEG_Z, irradiance: Rgb::ONE });

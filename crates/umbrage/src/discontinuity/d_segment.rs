@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 
+use super::LampCurve;
 use crate::id::{EdgeId, EmitterId, FaceId, LampId, PlaneId, VertexId};
 use crate::prepare::Prepared;
 
@@ -94,6 +95,13 @@ pub enum Event {
         /// Edge of the occluder.
         occluder: EdgeId,
     },
+    /// The light of a lamp without extent begins or ends here by itself.
+    LampCurve {
+        /// The lamp.
+        lamp: LampId,
+        /// Why.
+        curve: LampCurve,
+    },
 }
 
 impl Event {
@@ -106,7 +114,7 @@ impl Event {
             | Self::VertexEdge { emitter, .. }
             | Self::EdgeVertex { emitter, .. }
             | Self::ThreeEdges { emitter, .. } => Some(emitter),
-            Self::Contact { .. } | Self::LampEdge { .. } => None,
+            Self::Contact { .. } | Self::LampEdge { .. } | Self::LampCurve { .. } => None,
         }
     }
 
@@ -121,6 +129,10 @@ impl Event {
             Self::EdgeVertex { .. } => "edge-vertex",
             Self::ThreeEdges { .. } => "edge-edge-edge",
             Self::LampEdge { .. } => "lamp-edge",
+            Self::LampCurve { curve: LampCurve::Terminator, .. } => "terminator",
+            Self::LampCurve { curve: LampCurve::InnerCone, .. } => "inner-cone",
+            Self::LampCurve { curve: LampCurve::OuterCone, .. } => "outer-cone",
+            Self::LampCurve { curve: LampCurve::Range, .. } => "range",
         }
     }
 }

@@ -9,12 +9,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::features::Surroundings;
+use super::light_met::mean_irradiance;
 use super::{DSegment, Emitter, Event, Features, contact};
-use crate::geometry::polygon;
 use crate::id::{DSegmentId, EmitterId, FaceId, LampId, PlaneId, Table};
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress, Stage};
-use crate::scene::{Lamp, Scene};
+use crate::scene::Scene;
 use crate::visibility::Visibility;
 
 /// Pairs that are traced between two reports of progress.
@@ -55,7 +55,7 @@ pub fn find(
     progress: Progress<'_>,
 ) -> Result<Discontinuities, Cancelled> {
     let features = Features::new(scene, prepared);
-    let mean_irradiance = mean_irradiance(prepared, &features);
+    let mean_irradiance = mean_irradiance(prepared, visibility, &features);
     let least = least_share * mean_irradiance;
     let (mut segments, wedges) = traced(prepared, visibility, &features, Kinds::All, least, progress)?;
     let around = Surroundings { prepared, visibility, features: &features, wedges: &AtomicUsize::new(0) };
@@ -125,21 +125,12 @@ fn with_strength(around: &Surroundings<'_>, segment: DSegment) -> DSegment {
     DSegment { strength, ..segment }
 }
 
-/// What emitters and lamps give to all faces together over their area, in W/m2: the mean of irradiance, if all light
-/// stays in the scene and is reflected by little. Distant lamps have no flux of their own, and count for nothing.
-fn mean_irradiance(prepared: &Prepared, features: &Features) -> f64 {
-    let area_m2: f64 = prepared.faces.keys().map(|face| polygon::area_m2(&prepared.polygon_m(face))).sum();
-    let flux = |emitter: &Emitter| std::f64::consts::PI * emitter.mean_radiance() * emitter.area_m2;
-    let lamps = features.lamps.iter().filter_map(Lamp::flux_w).map(|flux_w| flux_w.element_sum() / 3.0);
-    (features.emitters.iter().map(flux).sum::<f64>() + lamps.sum::<f64>()) / area_m2.max(f64::MIN_POSITIVE)
-}
-
 /// All pairs of a source feature and an occluder feature, numbered: first all VE, then all EV, and so on.
 struct Pairs<'a> {
     prepared: &'a Prepared,
     features: &'a Features,
     /// Where the numbers of each kind end.
-    ends: [usize; 7],
+    ends: [usize; 8],
 }
 
 impl<'a> Pairs<'a> {
@@ -152,6 +143,7 @@ impl<'a> Pairs<'a> {
             features.emitters.len() * prepared.planes.len(),
             features.emitters.len(),
             features.lamps.len() * edges,
+            features.lamps.len() * prepared.faces.len(),
             if kinds == Kinds::All { features.emitters.len() * edges } else { 0 },
         ];
         let mut end = 0;
@@ -163,7 +155,7 @@ impl<'a> Pairs<'a> {
     }
 
     fn count(&self) -> usize {
-        self.ends[6]
+        self.ends[7]
     }
 
     fn trace(&self, number: usize, around: &Surroundings<'_>) -> Vec<DSegment> {
@@ -192,6 +184,10 @@ impl<'a> Pairs<'a> {
             5 => {
                 let (lamp, occluder) = pair(occluders.edges.len());
                 around.lamp_edge(LampId::from(lamp), &occluders.edges[occluder])
+            }
+            6 => {
+                let (lamp, face) = pair(self.prepared.faces.len());
+                around.lamp_curves(LampId::from(lamp), FaceId::from(face))
             }
             _ => {
                 let (source, occluder) = pair(occluders.edges.len());

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | 0 | a surface ends on another | `contact` |
 //! | 0 | an occluder edge before a lamp without extent | `lamp` |
+//! | 0 to 2 | where light of a lamp without extent ends by itself: terminators, cones, ranges | `lamp_curve` |
 //! | 1 | a source edge and an occluder edge in one plane | `edge_edge` |
 //! | 1 | an occluder's face seen edge-on before a source | `occluder_plane` |
 //! | 1 | the source's own plane | `source_plane` |
@@ -19,8 +20,11 @@ mod emitter;
 mod event;
 mod features;
 mod find;
+mod implicit_curve;
 mod in_plane;
 mod lamp;
+mod lamp_curve;
+mod light_met;
 mod merge;
 mod near_edges;
 mod occluder_plane;
@@ -45,4 +49,5 @@ pub use emitter::Emitter;
 pub use features::Features;
 pub use find::{Discontinuities, at_least, find};
 pub use near_edges::{contacts_and_near_edges, has_near_edges};
+pub use lamp_curve::LampCurve;
 pub use secondary::find_secondary;

@@ -11,6 +11,7 @@
 //! - behind three lines (degree 2) the curvature (`strength_of_three`);
 //! - in the source's plane the slope, by the sum of radiance and cosine over `r3` and the area that is seen;
 //! - behind a lamp without extent (degree 0) the value, by all that it brings;
+//! - where light of a lamp ends by itself, value, slope or curvature, from differences (`lamp_curve`);
 //! - at a contact (degree 0) the value, at most by what the emitters give there unhindered.
 
 use std::f64::consts::PI;
@@ -83,6 +84,7 @@ impl Surroundings<'_> {
         let jump = match segment.event {
             Event::Contact { .. } => self.of_contact(&receiver),
             Event::LampEdge { lamp, .. } => self.of_lamp(&receiver, lamp),
+            Event::LampCurve { lamp, .. } => self.of_lamp_curve(segment, at, receiver.across, lamp),
             Event::SourcePlane { emitter } => self.of_source_plane(&receiver, emitter),
             Event::OccluderPlane { emitter, occluder } => self.of_occluder_plane(&receiver, emitter, occluder),
             Event::EdgeEdge { source, occluder, .. } => self.of_edges(&receiver, source, occluder),

@@ -6,6 +6,7 @@
 
 use smallvec::SmallVec;
 
+use crate::geometry::polygon;
 use crate::id::{EdgeId, FaceId, SkinId, Table, VertexId};
 use crate::prepare::{Prepared, is_one_surface_at};
 
@@ -70,9 +71,16 @@ fn add_around(prepared: &Prepared, face: FaceId, near: &mut Vec<FaceId>) {
             let here = met[next];
             next += 1;
             for edge in edges_at(prepared, here, vertex) {
-                for &other in beyond(prepared, edge, here).iter().filter(|&&other| other != here) {
-                    near.push(other);
-                    if !met.contains(&other) && goes_on(prepared, vertex, [here, other]) {
+                let beyond = beyond(prepared, edge, here);
+                let goes_on = |other: FaceId| goes_on(prepared, vertex, [here, other]);
+                for &other in beyond.iter().filter(|&&other| other != here) {
+                    // Of a sheet whose front goes on, the back too.
+                    let same_plane = |&twin: &FaceId| prepared.faces[twin].plane == prepared.faces[other].plane;
+                    if is_behind(prepared, other, here) || beyond.iter().any(|twin| same_plane(twin) && goes_on(*twin))
+                    {
+                        near.push(other);
+                    }
+                    if !met.contains(&other) && goes_on(other) {
                         met.push(other);
                     }
                 }
@@ -97,6 +105,12 @@ fn beyond(prepared: &Prepared, edge: EdgeId, face: FaceId) -> SmallVec<[FaceId; 
     } else {
         faces.clone()
     }
+}
+
+/// Whether a face that shares an edge with another does not stand in front of it.
+fn is_behind(prepared: &Prepared, face: FaceId, of: FaceId) -> bool {
+    let middle_m = polygon::centroid(&prepared.polygon_m(face));
+    prepared.oriented_plane(of).signed_distance_m(middle_m) <= prepared.tolerance.weld_m()
 }
 
 /// Whether two faces are one smooth surface at a vertex.
