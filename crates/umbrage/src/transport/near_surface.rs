@@ -89,7 +89,7 @@ mod tests {
             let mean = (0..around).map(|i| {
                 let (sin, cos) = (TAU * (i as f64 + 0.5) / around as f64).sin_cos();
                 let position_m = 0.5 * (inner_m + outer_m) * DVec3::new(cos, sin, 0.0);
-                let receiver = ReceiverPoint { position_m, normal: DVec3::Z, plane: PlaneId::from(0), near: None };
+                let receiver = ReceiverPoint::on_plane(position_m, DVec3::Z, PlaneId::from(0));
                 spread(lamp, &receiver, 0.1).unwrap_or_else(|| unoccluded(lamp, position_m, DVec3::Z)).x
             });
             PI * (outer_m * outer_m - inner_m * inner_m) * mean.sum::<f64>() / around as f64

@@ -230,7 +230,9 @@ impl Visibility {
 
     /// Adds the shadow of a face as seen through a window; breaks where it takes the whole.
     fn throw(&self, beam: &Beam<'_>, window: &Window<'_>, face: FaceId, thrown: &mut Thrown) -> ControlFlow<()> {
-        if let Some((shadow, shadow_m2)) = window.shadow(self.boundary_m(face)) {
+        if self.covers(face, beam.receiver) {
+            thrown.most_m2 = f64::INFINITY;
+        } else if let Some((shadow, shadow_m2)) = window.shadow(self.boundary_m(face)) {
             thrown.most_m2 = shadow_m2.max(thrown.most_m2);
             thrown.shadows.push(shadow);
         }

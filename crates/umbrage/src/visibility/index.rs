@@ -143,6 +143,11 @@ impl Visibility {
         from.min(to) > *apart_m || from.max(to) < -apart_m
     }
 
+    /// The plane of a face, towards its front.
+    pub(super) fn near_plane(&self, face: FaceId) -> &Plane {
+        &self.faces[face].near.0
+    }
+
     /// The box of a face, in metres.
     pub(super) fn bounds_m(&self, face: FaceId) -> [DVec3; 2] {
         [self.faces[face].min_m, self.faces[face].max_m]

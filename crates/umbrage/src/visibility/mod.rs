@@ -15,6 +15,7 @@ mod index;
 mod lamps;
 mod memory;
 mod near;
+mod pair;
 mod ray;
 mod receiver;
 mod screen;

@@ -81,8 +81,12 @@ pub(super) struct Window<'a> {
     horizon: Plane,
     /// Within this distance from the receiver's plane a corner counts as below it.
     on_receiver_m: f64,
+    /// No face that is lower over it than this may cover the point.
+    covering_m: f64,
     /// Within this distance from the source's plane a corner counts as in it.
     on_source_m: f64,
+    /// And a face before it where a corner is farther than this.
+    in_source_m: f64,
     pub(super) outline: Convex,
     pub(super) rounding: Rounding,
     beam_sides: BeamSides,
@@ -112,9 +116,11 @@ impl<'a> Window<'a> {
         let on_source_m = weld_m.min(IN_SOURCE_OF_HEIGHT * view.height_m);
         let beam_sides: BeamSides = convex::long_sides(&outline, rounding.slack_m).map(to_side).collect();
         let towards = frame.plane.normal;
+        let in_source_m = tolerance.coplanar_m().min(on_source_m);
         let ends = [
-            (normal, weld_m),
-            (towards, on_source_m - view.height_m),
+            // What covers the point may be nearer than what throws a shadow.
+            (normal, tolerance.coplanar_m()),
+            (towards, in_source_m - view.height_m),
             // What is as high over the source as the point is behind it.
             (-towards, 0.0),
         ];
@@ -125,7 +131,9 @@ impl<'a> Window<'a> {
             view,
             horizon: Plane::through(from_m, normal),
             on_receiver_m: weld_m,
+            covering_m: tolerance.coplanar_m(),
             on_source_m,
+            in_source_m,
             rounded: HalfSpaces::around(from_m, half_spaces, tolerance.extent_m),
             beam_sides,
             outline,
@@ -142,12 +150,12 @@ impl<'a> Window<'a> {
     pub(super) fn box_may_occlude(&self, min_m: DVec3, max_m: DVec3) -> bool {
         let (middle, half) = (0.5 * (min_m + max_m), 0.5 * (max_m - min_m));
         let over_receiver = self.horizon.signed_distance_m(middle) + self.horizon.normal.abs().dot(half);
-        if over_receiver <= self.on_receiver_m {
+        if over_receiver <= self.covering_m {
             return false;
         }
         let plane = &self.frame.plane;
         let (over_source, reach) = (plane.signed_distance_m(middle), plane.normal.abs().dot(half));
-        if over_source + reach <= self.on_source_m || over_source - reach >= self.view.height_m {
+        if over_source + reach <= self.in_source_m || over_source - reach >= self.view.height_m {
             return false;
         }
         let from_point = middle - self.from_m;
@@ -165,7 +173,7 @@ impl<'a> Window<'a> {
                 let below = if height.abs() <= self.on_receiver_m { height + self.on_receiver_m } else { 0.0 };
                 above_receiver |= height > self.on_receiver_m;
                 let q = self.homogeneous(corner - below * self.horizon.normal);
-                before_source |= q.z < 1.0;
+                before_source |= self.frame.plane.signed_distance_m(corner) > self.in_source_m;
                 q
             })
             .collect();
