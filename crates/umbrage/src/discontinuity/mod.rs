@@ -11,6 +11,7 @@
 //! | 2 | EEE: an edge of the source and two of occluders | `three_edges` |
 
 mod bright_part;
+mod closed_gap;
 mod contact;
 mod corner;
 mod d_segment;

@@ -164,8 +164,11 @@ impl Visibility {
     /// The beam from a point over what of a source is above its horizon; `None` where that is nothing.
     pub fn beam<'a>(&self, receiver: &'a ReceiverPoint, view: PlaneView, source: &'a FlatSource) -> Option<Beam<'a>> {
         let above = view.above_horizon(&source.corners_m);
-        let whole = above.is_none();
-        let outline = above.unwrap_or_else(|| source.corners_m.clone());
+        let whole = above.is_none() && !self.is_in_closed_gap(receiver, &view);
+        let mut outline = above.unwrap_or_else(|| source.corners_m.clone());
+        if self.is_in_closed_gap(receiver, &view) {
+            outline = self.across_gap(receiver, &source.frame, outline);
+        }
         let [low_m, high_m] = convex::bounds_m(&outline);
         let slack_m = SLACK_OF_SOURCE * (high_m - low_m).max_element();
         let rounding = Rounding { slack_m, thin_m2: slack_m * convex::perimeter_m(&outline) };
@@ -230,7 +233,7 @@ impl Visibility {
 
     /// Adds the shadow of a face as seen through a window; breaks where it takes the whole.
     fn throw(&self, beam: &Beam<'_>, window: &Window<'_>, face: FaceId, thrown: &mut Thrown) -> ControlFlow<()> {
-        if self.covers(face, beam.receiver) {
+        if self.covers(face, beam.receiver) && !beam.window.is_within(self.near_plane(face), self.tolerance().closed_m()) {
             thrown.most_m2 = f64::INFINITY;
         } else if let Some((shadow, shadow_m2)) = window.shadow(self.boundary_m(face)) {
             thrown.most_m2 = shadow_m2.max(thrown.most_m2);

@@ -1,29 +1,31 @@
-//! Faces that are nearer to each other than points are exact: which of two is before the other.
+//! Faces that lie very near to each other: which of two is before the other, and what it covers.
 //!
 //! ```text
 //!              ....---- B          Of the points of A next to the line in which it meets B, rounding would decide one by one which
 //!      ....----                    side of B they are on: along 2 cm where the angle is 1e-5 and the scene 3 m large. Contacts
 //!     --------------------- A      cut faces where they cross; so A as a whole is on one side, and each of its points is there, too.
+//!
+//!      =========== B               A narrow gap is closed: what is over the foot of a point, nearer than the gap that counts as
+//!     --------------------- A      closed, covers it. No ray leaves sideways, and the border of what is covered is a contact.
 //! ```
 //!
-//! Asked for points of a face that are nearer to the plane of another face than the coplanar tolerance, and by beams for those within
-//! the weld distance, which take what is so near to the receiver for a contact.
-//!
 //! Holds: the answer is the same for all points of a face; a face that has both sides of the other's plane has none, and then the
-//! point's own place counts.
+//! point's own place counts. What is in the gap, a lamp or the face itself, is seen from there as ever.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
-use super::{ReceiverPoint, Visibility};
-use crate::geometry::Plane;
+use super::{PlaneView, ReceiverPoint, Visibility};
+use crate::geometry::convex::{self, Convex};
+use crate::geometry::{Plane, PlaneFrame, clip, polygon};
 use crate::id::FaceId;
 
-/// Faces with normals whose cosine is less than this, either way, do not cover each other: they meet in an edge, like floor and wall.
-const ALONG: f64 = 0.7;
+/// The cosine of the angle between faces that may cover each other: 5.7 degrees. From the foot of a wedge of that angle a point sees
+/// a quarter of a percent of what is outside.
+const ALONG: f64 = 0.995;
 
 /// Where a face lies, as seen from a face that is very near.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Placed {
+pub(crate) enum Placed {
     /// Not before it: it hides nothing from it.
     Behind,
     /// Before it; it is seen from its front.
@@ -42,7 +44,7 @@ fn heights_m(plane: &Plane, corners_m: &[DVec3]) -> [f64; 2] {
 
 impl Visibility {
     /// Where `face` lies as seen from `receiver`.
-    fn placed(&self, face: FaceId, receiver: FaceId) -> Placed {
+    pub(crate) fn placed(&self, face: FaceId, receiver: FaceId) -> Placed {
         let near_m = self.tolerance().coplanar_m();
         let [_, over_receiver_m] = heights_m(self.near_plane(receiver), self.boundary_m(face));
         if over_receiver_m <= near_m {
@@ -56,10 +58,19 @@ impl Visibility {
         }
     }
 
+    /// Whether two faces are so nearly parallel that one may cover the other.
+    pub(crate) fn lie_along(&self, [one, other]: [FaceId; 2]) -> bool {
+        self.near_plane(one).normal.dot(self.near_plane(other).normal).abs() > ALONG
+    }
+
     /// Which side of a face a point of another face is on, if it is so near to the face's plane that it counts as its own face lies:
     /// `None` where it does not.
     pub(super) fn placed_at(&self, face: FaceId, receiver: FaceId, point_m: DVec3) -> Option<Placed> {
-        let is_near = self.near_plane(face).signed_distance_m(point_m).abs() <= self.tolerance().coplanar_m();
+        let distance_m = self.near_plane(face).signed_distance_m(point_m).abs();
+        let is_near = distance_m <= self.tolerance().coplanar_m()
+            || (distance_m <= self.tolerance().closed_m()
+                && self.lie_along([face, receiver])
+                && self.is_over(face, point_m));
         (is_near && face != receiver).then(|| self.placed(face, receiver)).filter(|&placed| placed != Placed::Across)
     }
 
@@ -75,14 +86,32 @@ impl Visibility {
         })
     }
 
-    /// Whether a face lies on a receiver point: within the weld distance before it, and over it.
+    /// Whether the plane that a receiver point views lies so near over it that the gap counts as closed.
+    pub(crate) fn is_in_closed_gap(&self, receiver: &ReceiverPoint, view: &PlaneView) -> bool {
+        view.height_m <= self.tolerance().closed_m() && receiver.face.is_some() && view.normal.z.abs() > ALONG
+    }
+
+    /// What a receiver point in a closed gap sees of a convex polygon in the plane across it: the part that its own face lies over. No
+    /// light passes sideways.
+    pub(super) fn across_gap(&self, receiver: &ReceiverPoint, frame: &PlaneFrame, polygon: Convex) -> Convex {
+        let Some(own) = receiver.face else { return polygon };
+        let mut own: Convex = self.boundary_m(own).iter().map(|&corner| frame.to_2d(corner)).collect();
+        if polygon::signed_area_2d_m2(&own) < 0.0 {
+            own.reverse();
+        }
+        let beside = |left: Convex, (from, to): (DVec2, DVec2)| {
+            clip::where_not_negative(&left, |p: DVec2| (to - from).perp_dot(p - from)).into_iter().collect()
+        };
+        convex::sides(&own).fold(polygon, beside)
+    }
+
+    /// Whether a face covers a receiver point.
     pub(super) fn covers(&self, face: FaceId, receiver: &ReceiverPoint) -> bool {
         let Some(own) = receiver.face else { return false };
-        let (plane, point_m) = (self.near_plane(face), receiver.position_m);
-        plane.signed_distance_m(point_m).abs() <= self.tolerance().weld_m()
-            && plane.normal.dot(self.near_plane(own).normal).abs() > ALONG
+        let point_m = receiver.position_m;
+        self.near_plane(face).signed_distance_m(point_m).abs() <= self.tolerance().closed_m()
+            && self.lie_along([face, own])
             && self.is_over(face, point_m)
             && matches!(self.placed(face, own), Placed::BeforeWithFront | Placed::BeforeWithBack)
     }
 }
-

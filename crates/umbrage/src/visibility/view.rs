@@ -162,6 +162,11 @@ impl<'a> Window<'a> {
         self.beam_sides.iter().all(|(side, least)| side.dot(from_point) + side.abs().dot(half) > *least)
     }
 
+    /// Whether all of it is within a distance of a plane, in metres.
+    pub(super) fn is_within(&self, plane: &Plane, distance_m: f64) -> bool {
+        self.outline.iter().all(|&corner| plane.signed_distance_m(self.frame.to_3d(corner)).abs() <= distance_m)
+    }
+
     /// The part of the window in the shadow of a face and its area, in square metres; `None` where that is nothing.
     pub(super) fn shadow(&self, boundary_m: &[DVec3]) -> Option<(Convex, f64)> {
         let mut above_receiver = false;
