@@ -113,7 +113,7 @@ fn explore() {
         for at_m in [DVec3::ZERO, DVec3::new(100.0, -60.0, 80.0)] {
             for double_sided in [false, true] {
                 for size in [1.0, 0.7] {
-                    for (gap_m, angle_rad) in [(1e-6, 0.0), (3e-6, 0.0), (1e-5, 0.0), (1e-4, 0.0), (1e-3, 0.0), (0.0, 1e-5), (0.0, 1e-4), (0.0, 1e-3), (1e-5, 3e-5), (1e-4, 1e-5)] {
+                    for (gap_m, angle_rad) in [(1e-6, 0.0), (3e-6, 0.0), (1e-5, 0.0), (1e-4, 0.0), (2e-4, 0.0), (0.0, 1e-5), (0.0, 1e-4), (0.0, 1e-3), (1e-5, 3e-5), (1e-4, 1e-5)] {
                         let pair = Pair { gap_m, angle_rad, size, double_sided, at_m, lamp };
                         let (wrong, triangles) = pair.judged();
                         println!("{lamp:?} far {} double {double_sided} size {size} gap {gap_m:e} angle {angle_rad:e}: {triangles} triangles, wrong {} {:?}", at_m.x > 0.0, wrong.len(), wrong.first());

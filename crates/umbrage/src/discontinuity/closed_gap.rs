@@ -51,6 +51,21 @@ pub(super) fn contacts(
     segments
 }
 
+/// Whether a segment on the second of two faces is the shadow of the first across a closed gap.
+pub(super) fn is_across(
+    prepared: &Prepared,
+    visibility: &Visibility,
+    [over, face]: [FaceId; 2],
+    ends_m: [DVec3; 2],
+) -> bool {
+    let plane = prepared.oriented_plane(over);
+    let closed_m = prepared.tolerance.closed_m();
+    prepared.faces[face].plane != prepared.faces[over].plane
+        && ends_m.iter().all(|&end| plane.signed_distance_m(end).abs() <= closed_m)
+        && visibility.lie_along([face, over])
+        && matches!(visibility.placed(over, face), Placed::BeforeWithFront | Placed::BeforeWithBack)
+}
+
 /// The edges of a face that its plane does not go on beyond.
 fn borders(prepared: &Prepared, face: FaceId) -> impl Iterator<Item = EdgeId> + '_ {
     let own = &prepared.faces[face];

@@ -233,11 +233,16 @@ impl Visibility {
 
     /// Adds the shadow of a face as seen through a window; breaks where it takes the whole.
     fn throw(&self, beam: &Beam<'_>, window: &Window<'_>, face: FaceId, thrown: &mut Thrown) -> ControlFlow<()> {
-        if self.covers(face, beam.receiver) && !beam.window.is_within(self.near_plane(face), self.tolerance().closed_m()) {
-            thrown.most_m2 = f64::INFINITY;
-        } else if let Some((shadow, shadow_m2)) = window.shadow(self.boundary_m(face)) {
-            thrown.most_m2 = shadow_m2.max(thrown.most_m2);
-            thrown.shadows.push(shadow);
+        let is_in_gap = || window.is_within(self.near_plane(face), self.tolerance().closed_m());
+        match self.covers(face, beam.receiver) {
+            Some(false) => return ControlFlow::Continue(()),
+            Some(true) if !is_in_gap() => thrown.most_m2 = f64::INFINITY,
+            _ => {
+                if let Some((shadow, shadow_m2)) = window.shadow(self.boundary_m(face)) {
+                    thrown.most_m2 = shadow_m2.max(thrown.most_m2);
+                    thrown.shadows.push(shadow);
+                }
+            }
         }
         if beam.is_taken_by(thrown) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

@@ -67,11 +67,19 @@ impl Visibility {
     /// `None` where it does not.
     pub(super) fn placed_at(&self, face: FaceId, receiver: FaceId, point_m: DVec3) -> Option<Placed> {
         let distance_m = self.near_plane(face).signed_distance_m(point_m).abs();
-        let is_near = distance_m <= self.tolerance().coplanar_m()
-            || (distance_m <= self.tolerance().closed_m()
-                && self.lie_along([face, receiver])
-                && self.is_over(face, point_m));
-        (is_near && face != receiver).then(|| self.placed(face, receiver)).filter(|&placed| placed != Placed::Across)
+        if distance_m > self.tolerance().closed_m() || face == receiver {
+            return None;
+        }
+        let along = self.lie_along([face, receiver]);
+        if distance_m > self.tolerance().coplanar_m() && !along {
+            return None;
+        }
+        match self.placed(face, receiver) {
+            Placed::Across => None,
+            // Beside what covers, it is seen from its edge.
+            _ if along && !self.is_over(face, point_m) => Some(Placed::Behind),
+            placed => Some(placed),
+        }
     }
 
     /// Whether the foot of a point in the plane of a face lies in the face, or beyond its border by rounding: points of the mesh on an
@@ -105,13 +113,13 @@ impl Visibility {
         convex::sides(&own).fold(polygon, beside)
     }
 
-    /// Whether a face covers a receiver point.
-    pub(super) fn covers(&self, face: FaceId, receiver: &ReceiverPoint) -> bool {
-        let Some(own) = receiver.face else { return false };
-        let point_m = receiver.position_m;
-        self.near_plane(face).signed_distance_m(point_m).abs() <= self.tolerance().closed_m()
-            && self.lie_along([face, own])
-            && self.is_over(face, point_m)
-            && matches!(self.placed(face, own), Placed::BeforeWithFront | Placed::BeforeWithBack)
+    /// Whether a face that lies along that of a receiver point, and very near, covers it; `None` where it does not lie so.
+    pub(super) fn covers(&self, face: FaceId, receiver: &ReceiverPoint) -> Option<bool> {
+        let own = receiver.face?;
+        let distance_m = self.near_plane(face).signed_distance_m(receiver.position_m).abs();
+        if distance_m > self.tolerance().closed_m() || !self.lie_along([face, own]) {
+            return None;
+        }
+        self.placed_at(face, own, receiver.position_m).map(|placed| placed != Placed::Behind)
     }
 }
