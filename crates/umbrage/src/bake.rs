@@ -21,7 +21,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use crate::discontinuity::{self, DSegment, Discontinuities, Reflecting};
+use crate::discontinuity::{self, DSegment, Discontinuities, Event, Reflecting};
 use crate::hidden;
 use crate::id::{DSegmentId, PatchId, Table};
 use crate::mesh::Mesh;
@@ -324,17 +324,18 @@ pub(crate) fn show(
     clock.end_of(Stage::Solve);
 
     let refined = settings.shade.tolerance.is_finite();
+    let mean = solution.mean_irradiance(mesh, |face| prepared.shows_light(scene, face));
     let secondary = match before {
         Before::Known(known) => known.secondary.clone(),
         _ if settings.discontinuities && settings.secondary_sources && refined => {
             let reflecting = what_patches_reflect(mesh, &solution);
-            let least = settings.weak_share() * solution.mean_irradiance(mesh).element_sum() / 3.0;
+            let least = settings.weak_share() * mean.element_sum() / 3.0;
             discontinuity::find_secondary(scene, prepared, visibility, &reflecting, least, progress)?
         }
         _ => Table::new(),
     };
 
-    let light = Irradiance::new(prepared, visibility, mesh, &solution.reflected, solution.mean_irradiance(mesh))
+    let light = Irradiance::new(prepared, visibility, mesh, &solution.reflected, mean)
         .coarser(settings.coarser_to_be_shown())
         .along_rays(settings.rays(prepared))
         .with_memory(before.gathered());
@@ -342,7 +343,10 @@ pub(crate) fn show(
     let mut meshes = if refined {
         let with = |segments| Mesh::new(prepared, segments, settings.mesh(discontinuities.mean_irradiance));
         let all = discontinuities.segments.iter().chain(&secondary).copied().collect();
-        ShadeMeshes { shown: with(&all), gathering: with(&secondary) }
+        // What is reflected jumps at contacts, too.
+        let contacts = discontinuities.segments.iter().filter(|segment| matches!(segment.event, Event::Contact { .. }));
+        let of_reflected = contacts.chain(&secondary).copied().collect();
+        ShadeMeshes { shown: with(&all), gathering: with(&of_reflected) }
     } else {
         let all = || Mesh::new(prepared, &discontinuities.segments, settings.mesh(discontinuities.mean_irradiance));
         let shown = shade::within(scene, prepared, mesh.clone(), all, settings.shade_within(0).max_triangles);

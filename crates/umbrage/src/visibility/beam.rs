@@ -219,10 +219,14 @@ impl Visibility {
         );
     }
 
-    /// Adds the shadows of the faces around a point of a smooth surface; breaks where one takes the whole.
+    /// Adds the shadows of what lies on a point, and of the faces around one of a smooth surface; breaks where one takes the whole.
     fn throw_near(&self, beam: &Beam<'_>, thrown: &mut Thrown) -> ControlFlow<()> {
-        let Some(window) = &beam.near else { return ControlFlow::Continue(()) };
         let [_, source] = beam.passing;
+        let covering = beam.receiver.face.map_or(&[][..], |own| self.covering(own));
+        for &face in covering.iter().filter(|&&face| self.plane(face) != source) {
+            self.throw(beam, &beam.window, face, thrown)?;
+        }
+        let Some(window) = &beam.near else { return ControlFlow::Continue(()) };
         let may_occlude = |face: FaceId| {
             let [min_m, max_m] = self.bounds_m(face);
             self.plane(face) != source && window.box_may_occlude(min_m, max_m)

@@ -40,7 +40,11 @@ impl Visibility {
     pub fn first_front_of(&self, receiver: &ReceiverPoint, to_m: DVec3) -> Option<(FaceId, DVec3)> {
         let from_m = receiver.position_m;
         let Some(near) = receiver.near else {
-            let met = self.nearest((from_m, receiver.face), to_m, |face| self.plane(face) == receiver.plane, None)?;
+            let mut first = None;
+            let own = (from_m, receiver.face);
+            let covering = receiver.face.map_or(&[][..], |own| self.covering(own));
+            covering.iter().for_each(|&face| self.meet(face, own, to_m, &mut first));
+            let met = self.nearest(own, to_m, |face| self.plane(face) == receiver.plane, first)?;
             return Some((met.front?, from_m.lerp(to_m, met.at)));
         };
         let mut first = None;

@@ -19,6 +19,7 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
 use super::around::Around;
+use rayon::prelude::*;
 use crate::geometry::{Plane, Tolerance};
 use crate::id::{FaceId, PlaneId, Table};
 use crate::prepare::Prepared;
@@ -64,6 +65,8 @@ pub struct Visibility {
     corners_m: Vec<DVec3>,
     /// The faces around each facet of a smooth surface.
     around: Around,
+    /// The faces that may cover points of each.
+    covering: Table<FaceId, Box<[FaceId]>>,
     tolerance: Tolerance,
 }
 
@@ -113,12 +116,20 @@ impl Visibility {
         }
         let tree = if faces.is_empty() { Bvh2::default() } else { build(faces.raw.as_slice()) };
         let boxes = faces.iter().map(Boundable::aabb).collect();
-        Self { tree, faces, boxes, corners_m, around: Around::new(prepared), tolerance: prepared.tolerance }
+        let (around, covering) = (Around::new(prepared), Table::new());
+        let index = Self { tree, faces, boxes, corners_m, around, covering, tolerance: prepared.tolerance };
+        let covering: Vec<_> = (0..prepared.faces.len()).into_par_iter().map(|own| index.lying_over(own.into())).collect();
+        Self { covering: covering.into(), ..index }
     }
 
     /// The faces around the facets of smooth surfaces.
     pub(super) fn around(&self) -> &Around {
         &self.around
+    }
+
+    /// The faces that may cover points of a face ([`super::pair`]); hardly any face has one.
+    pub(super) fn covering(&self, own: FaceId) -> &[FaceId] {
+        &self.covering[own]
     }
 
     /// The tree of boxes.

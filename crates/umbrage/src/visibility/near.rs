@@ -30,6 +30,9 @@ impl Visibility {
         if let Some(&near) = self.near(receiver).iter().find(stops) {
             return Some(near);
         }
+        if let Some(cover) = self.cover(receiver, to_m, source) {
+            return Some(cover);
+        }
         let passing = [receiver.plane, source.unwrap_or(receiver.plane)];
         let from = (receiver.position_m, receiver.face);
         self.blocker_but(among, from, to_m, passing, |face| self.is_near(receiver, face))

@@ -12,12 +12,14 @@
 //! Holds: the answer is the same for all points of a face; a face that has both sides of the other's plane has none, and then the
 //! point's own place counts. What is in the gap, a lamp or the face itself, is seen from there as ever.
 
+use std::ops::ControlFlow;
+
 use glam::{DVec2, DVec3};
 
 use super::{PlaneView, ReceiverPoint, Visibility};
 use crate::geometry::convex::{self, Convex};
 use crate::geometry::{Plane, PlaneFrame, clip, polygon};
-use crate::id::FaceId;
+use crate::id::{FaceId, PlaneId};
 
 /// The cosine of the angle between faces that may cover each other: 5.7 degrees. From the foot of a wedge of that angle a point sees
 /// a quarter of a percent of what is outside.
@@ -96,7 +98,9 @@ impl Visibility {
 
     /// Whether the plane that a receiver point views lies so near over it that the gap counts as closed.
     pub(crate) fn is_in_closed_gap(&self, receiver: &ReceiverPoint, view: &PlaneView) -> bool {
-        view.height_m <= self.tolerance().closed_m() && receiver.face.is_some() && view.normal.z.abs() > ALONG
+        receiver.face.is_some_and(|own| !self.covering(own).is_empty())
+            && view.height_m <= self.tolerance().closed_m()
+            && view.normal.z.abs() > ALONG
     }
 
     /// What a receiver point in a closed gap sees of a convex polygon in the plane across it: the part that its own face lies over. No
@@ -111,6 +115,37 @@ impl Visibility {
             clip::where_not_negative(&left, |p: DVec2| (to - from).perp_dot(p - from)).into_iter().collect()
         };
         convex::sides(&own).fold(polygon, beside)
+    }
+
+    /// The faces that lie along a face, before it, and somewhere nearer than a gap that is closed.
+    pub(super) fn lying_over(&self, own: FaceId) -> Box<[FaceId]> {
+        let closed_m = self.tolerance().closed_m();
+        let [low_m, high_m] = self.bounds_m(own);
+        let mut over = Vec::new();
+        self.walk(
+            |min_m, max_m| min_m.cmple(high_m + closed_m).all() && max_m.cmpge(low_m - closed_m).all(),
+            |face| {
+                let lies_over = self.plane(face) != self.plane(own)
+                    && self.lie_along([face, own])
+                    && heights_m(self.near_plane(own), self.boundary_m(face))[0] <= closed_m
+                    && matches!(self.placed(face, own), Placed::BeforeWithFront | Placed::BeforeWithBack);
+                over.extend(lies_over.then_some(face));
+                ControlFlow::Continue(())
+            },
+        );
+        over.sort_unstable();
+        over.into()
+    }
+
+    /// A face that covers a receiver point from another point, which is not in the gap; faces in the plane `source` do not.
+    pub(super) fn cover(&self, receiver: &ReceiverPoint, to_m: DVec3, source: Option<PlaneId>) -> Option<FaceId> {
+        let own = receiver.face?;
+        let covers = |face: &FaceId| {
+            Some(self.plane(*face)) != source
+                && self.covers(*face, receiver) == Some(true)
+                && self.crossing(*face, (receiver.position_m, Some(own)), to_m).is_some()
+        };
+        self.covering(own).iter().copied().find(covers)
     }
 
     /// Whether a face that lies along that of a receiver point, and very near, covers it; `None` where it does not lie so.

@@ -81,8 +81,6 @@ pub(super) struct Window<'a> {
     horizon: Plane,
     /// Within this distance from the receiver's plane a corner counts as below it.
     on_receiver_m: f64,
-    /// No face that is lower over it than this may cover the point.
-    covering_m: f64,
     /// Within this distance from the source's plane a corner counts as in it.
     on_source_m: f64,
     /// And a face before it where a corner is farther than this.
@@ -118,8 +116,7 @@ impl<'a> Window<'a> {
         let towards = frame.plane.normal;
         let in_source_m = tolerance.coplanar_m().min(on_source_m);
         let ends = [
-            // What covers the point may be nearer than what throws a shadow.
-            (normal, tolerance.coplanar_m()),
+            (normal, weld_m),
             (towards, in_source_m - view.height_m),
             // What is as high over the source as the point is behind it.
             (-towards, 0.0),
@@ -131,7 +128,6 @@ impl<'a> Window<'a> {
             view,
             horizon: Plane::through(from_m, normal),
             on_receiver_m: weld_m,
-            covering_m: tolerance.coplanar_m(),
             on_source_m,
             in_source_m,
             rounded: HalfSpaces::around(from_m, half_spaces, tolerance.extent_m),
@@ -150,7 +146,7 @@ impl<'a> Window<'a> {
     pub(super) fn box_may_occlude(&self, min_m: DVec3, max_m: DVec3) -> bool {
         let (middle, half) = (0.5 * (min_m + max_m), 0.5 * (max_m - min_m));
         let over_receiver = self.horizon.signed_distance_m(middle) + self.horizon.normal.abs().dot(half);
-        if over_receiver <= self.covering_m {
+        if over_receiver <= self.on_receiver_m {
             return false;
         }
         let plane = &self.frame.plane;
