@@ -55,10 +55,8 @@ impl Pair {
     fn scene(&self) -> Scene {
         let [u, v, n] = self.axes();
         let mut scene = Scene::default();
-        let grey = |name: &str| Material {
-            double_sided: self.double_sided,
-            ..Material::diffuse(name, Rgb::splat(0.5))
-        };
+        let grey =
+            |name: &str| Material { double_sided: self.double_sided, ..Material::diffuse(name, Rgb::splat(0.5)) };
         add(&mut scene, grey("lower"), &[quad(self.at_m, HALF_M * u, HALF_M * v)]);
         let along = (u * self.angle_rad.cos() + n * self.angle_rad.sin()) * self.size * HALF_M;
         add(&mut scene, grey("upper"), &[quad(self.at_m + self.gap_m * n, along, self.size * HALF_M * v)]);

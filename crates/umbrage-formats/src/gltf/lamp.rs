@@ -42,12 +42,7 @@ pub(super) fn of_node(
     Ok(Some(Lamp { name, kind: kind(light, world, units, odd_cones)? }))
 }
 
-fn kind(
-    light: &Item<'_>,
-    world: &DAffine3,
-    units: LampUnits,
-    odd_cones: &mut usize,
-) -> Result<LampKind, FormatError> {
+fn kind(light: &Item<'_>, world: &DAffine3, units: LampUnits, odd_cones: &mut usize) -> Result<LampKind, FormatError> {
     let color = light.numbers::<3>("color")?.map_or(Rgb::ONE, Rgb::from);
     let strength = light.number("intensity")?.unwrap_or(1.0);
     let per_unit = match units {

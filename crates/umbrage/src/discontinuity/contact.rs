@@ -21,8 +21,7 @@ pub fn is_contact(prepared: &Prepared, edge: EdgeId, face: FaceId) -> bool {
         let farthest_m = heights.max_by(|one, other| one.abs().total_cmp(&other.abs()));
         farthest_m.is_some_and(|height_m| height_m > prepared.tolerance.coplanar_m())
     };
-    goes_on
-        && faces.iter().any(|&other| prepared.faces[other].plane != own.plane && is_before(other))
+    goes_on && faces.iter().any(|&other| prepared.faces[other].plane != own.plane && is_before(other))
 }
 
 /// The contacts of all faces that show light, as d-segments of degree 0.

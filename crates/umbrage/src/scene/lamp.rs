@@ -201,7 +201,9 @@ impl Lamp {
         } else if range_m.is_some_and(|range_m| !(range_m.is_finite() && range_m > 0.0)) {
             Some("its range must be above 0")
         } else if !cones {
-            Some("its inner cone must be at least 0 and no wider than the outer, which is above 0 and at most a right angle")
+            Some(
+                "its inner cone must be at least 0 and no wider than the outer, which is above 0 and at most a right angle",
+            )
         } else {
             None
         }

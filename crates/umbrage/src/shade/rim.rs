@@ -101,13 +101,7 @@ fn axis(prepared: &Prepared, rim: &Rim) -> (DVec3, DVec3) {
 }
 
 /// Adds the strips of rims that are twins: all have the same vertices on their far sides, so that those of one lie on no side of another.
-fn add_strips(
-    prepared: &Prepared,
-    mesh: &Mesh,
-    twins: &[(&Rim, &[Segment])],
-    values: &[Rgb],
-    strips: &mut Strips,
-) {
+fn add_strips(prepared: &Prepared, mesh: &Mesh, twins: &[(&Rim, &[Segment])], values: &[Rgb], strips: &mut Strips) {
     let ends = twins.iter().flat_map(|(_, segments)| turns(segments, values)).collect();
     let mut far = BTreeMap::new();
     for (rim, segments) in twins {

@@ -19,10 +19,10 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
 use super::around::Around;
-use rayon::prelude::*;
 use crate::geometry::{Plane, Tolerance};
 use crate::id::{FaceId, PlaneId, Table};
 use crate::prepare::Prepared;
+use rayon::prelude::*;
 
 /// Distances from planes are good to this share of the extent, at points within a few extents.
 const ROUNDED_OF_EXTENT: f64 = 1e-13;
@@ -118,7 +118,8 @@ impl Visibility {
         let boxes = faces.iter().map(Boundable::aabb).collect();
         let (around, covering) = (Around::new(prepared), Table::new());
         let index = Self { tree, faces, boxes, corners_m, around, covering, tolerance: prepared.tolerance };
-        let covering: Vec<_> = (0..prepared.faces.len()).into_par_iter().map(|own| index.lying_over(own.into())).collect();
+        let covering: Vec<_> =
+            (0..prepared.faces.len()).into_par_iter().map(|own| index.lying_over(own.into())).collect();
         Self { covering: covering.into(), ..index }
     }
 
