@@ -166,6 +166,12 @@ pub enum Warning {
         /// How many contexts.
         contexts: usize,
     },
+    /// Spots whose inner cone is not narrower than the outer, or whose outer cone is wider than a right angle: taken with a
+    /// sharp border, and at a right angle.
+    OddCones {
+        /// How many spots.
+        spots: usize,
+    },
     /// An extension that is not known: what it says was ignored.
     UnknownExtension {
         /// Its name.
@@ -276,6 +282,11 @@ impl fmt::Display for Warning {
             Self::UnclosedContexts { contexts } => {
                 write!(f, "{} never closed: taken to end with the file", count(*contexts, "context"))
             }
+            Self::OddCones { spots } => write!(
+                f,
+                "{} with cones that are not 0 <= inner < outer <= 90 degrees: taken with a sharp border, and at 90 degrees",
+                count(*spots, "spot")
+            ),
             Self::UnknownExtension { name, required: true } => {
                 write!(f, "extension {name} is not known and ignored, though the file requires it: check the result")
             }

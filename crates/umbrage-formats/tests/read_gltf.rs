@@ -503,6 +503,28 @@ fn blenders_factor_is_told_where_it_matters() {
 }
 
 #[test]
+fn spots_with_odd_cones_are_read_with_a_warning() {
+    let right = std::f64::consts::FRAC_PI_2;
+    for (cones, expected) in [
+        // Both at once is what many exporters write by default.
+        ([0.5, 0.5], [0.5, 0.5]),
+        ([0.500_000_1, 0.5], [0.5, 0.5]),
+        ([0.8, 0.5], [0.5, 0.5]),
+        ([-0.1, 0.5], [0.0, 0.5]),
+        ([0.5, 2.0], [0.5, right]),
+        ([1.8, 2.0], [right, right]),
+    ] {
+        let mut build = with_lamps();
+        let spot = json!({"innerConeAngle": cones[0], "outerConeAngle": cones[1]});
+        build.json["extensions"]["KHR_lights_punctual"]["lights"][1]["spot"] = spot;
+        let (scene, warnings) = build.read().unwrap();
+        let LampKind::Spot { inner_rad, outer_rad, .. } = scene.lamps.raw[1].kind else { panic!() };
+        assert_eq!([inner_rad, outer_rad], expected);
+        assert_eq!((warnings, scene.validate()), (vec![Warning::OddCones { spots: 1 }], Ok(())));
+    }
+}
+
+#[test]
 fn bad_lamps_are_refused_by_place() {
     let refused = |light: Value| {
         let mut build = with_lamps();
@@ -514,7 +536,7 @@ fn bad_lamps_are_refused_by_place() {
         (json!({}), "type: is missing"),
         (json!({"type": "point", "intensity": -1}), "should not be negative"),
         (json!({"type": "point", "range": 0}), "should be above 0"),
-        (json!({"type": "spot", "spot": {"innerConeAngle": 0.8}}), "inner < outer"),
+        (json!({"type": "spot", "spot": {"outerConeAngle": 0}}), "should be above 0"),
     ] {
         let message = refused(light);
         assert!(message.contains("light 0") && message.contains(words), "{message}");

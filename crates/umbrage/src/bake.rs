@@ -21,10 +21,10 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use crate::discontinuity::{self, DSegment, Discontinuities, Reflecting};
+use crate::discontinuity::{self, DSegment, Discontinuities, Event, Reflecting};
 use crate::geometry::polygon;
 use crate::hidden;
-use crate::id::{DSegmentId, FaceId, PatchId, Table};
+use crate::id::{DSegmentId, PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::{PrepareError, PrepareReport, PrepareSettings, Prepared};
 use crate::progress::{Cancelled, Progress, Stage};
@@ -292,7 +292,7 @@ pub(crate) fn solve<'a>(
     let direct = DirectLight::new(scene, prepared, visibility).with_memory(before.sources());
     if settings.fits_samples(prepared) {
         let tree = RayTree::new(prepared);
-        let light = TexelRadiosity::new(scene, prepared, &direct, &tree, progress)?;
+        let light = TexelRadiosity::new(scene, prepared, visibility, (&direct, &tree), progress)?;
         let solution = light.over_patches(mesh);
         let bounced = Cow::Owned(AtPoints::new(Vec::new()));
         let surfaces = Surfaces::of_materials(scene, prepared, mesh);
@@ -332,30 +332,32 @@ pub(crate) fn show(
     clock.end_of(Stage::Solve);
 
     let refined = settings.shade.tolerance.is_finite();
+    let mean = solution.mean_irradiance(mesh, |face| prepared.shows_light(scene, face));
     let secondary = match before {
         Before::Known(known) => known.secondary.clone(),
         _ if settings.discontinuities && settings.secondary_sources && refined => {
             let reflecting = what_patches_reflect(mesh, &solution);
-            let least = settings.weak_share() * solution.mean_irradiance(mesh).element_sum() / 3.0;
+            let least = settings.weak_share() * mean.element_sum() / 3.0;
             discontinuity::find_secondary(scene, prepared, visibility, &reflecting, least, progress)?
         }
         _ => Table::new(),
     };
 
-    let light = Irradiance::new(prepared, visibility, mesh, &solution.reflected, solution.mean_irradiance(mesh))
+    let light = Irradiance::new(prepared, visibility, mesh, &solution.reflected, mean)
         .coarser(settings.coarser_to_be_shown())
         .with_memory(before.gathered());
     let indirect = match &texels {
-        Some((tree, light)) => IndirectLight::Sampled { tree, light },
+        Some((tree, light)) => IndirectLight::Sampled { visibility, tree, light },
         None => IndirectLight::Gathered { irradiance: &light, bounced: &bounced },
     };
     let mut meshes = if refined {
         let with = |segments| Mesh::new(prepared, segments, settings.mesh(discontinuities.mean_irradiance));
         let all = discontinuities.segments.iter().chain(&secondary).copied().collect();
-        // Where light is fitted, its jumps must be cut.
-        let near = texels.is_some().then(|| near_edges_of(scene, prepared)).unwrap_or_default();
-        let jumps = secondary.iter().copied().chain(near).collect();
-        let mut gathering = with(&jumps);
+        // What is reflected jumps at contacts, too; where it is fitted, edges close before faces must be cut in.
+        let contacts = discontinuities.segments.iter().filter(|segment| matches!(segment.event, Event::Contact { .. }));
+        let near = if texels.is_some() { near_edges_of(scene, prepared) } else { Vec::new() };
+        let of_reflected = contacts.chain(&secondary).copied().chain(near).collect();
+        let mut gathering = with(&of_reflected);
         if texels.is_some() {
             gathering.remove_d0_hints();
         }
@@ -571,14 +573,10 @@ pub(crate) fn link(
     Ok(Linked { meshed: Meshed { prepared, discontinuities, mesh }, visibility, links })
 }
 
-/// Contacts, and edges close before faces.
+/// Edges close before faces that show light.
 fn near_edges_of(scene: &Scene, prepared: &Prepared) -> Vec<DSegment> {
-    let receives = |face: FaceId| {
-        let face = &prepared.faces[face];
-        scene.surfaces[face.surface].baked && !scene.materials[face.material].emits()
-    };
     let area_m2: f64 = prepared.faces.keys().map(|face| polygon::area_m2(&prepared.polygon_m(face))).sum();
-    discontinuity::contacts_and_near_edges(prepared, shade::least_of_fit_m(area_m2), receives)
+    discontinuity::near_edges(prepared, shade::least_of_fit_m(area_m2), |face| prepared.shows_light(scene, face))
 }
 
 /// What every patch that is not split reflects, for the secondary sources.

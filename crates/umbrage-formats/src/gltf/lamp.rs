@@ -18,12 +18,13 @@ const LUMENS_PER_WATT: f64 = 683.0;
 
 const EXTENSION: &str = "KHR_lights_punctual";
 
-/// The lamp of a node, if it has one, in the world.
+/// The lamp of a node, if it has one, in the world. Spots whose cones are not as the extension wants them are counted in `odd_cones`.
 pub(super) fn of_node(
     document: &Document,
     node: &Item<'_>,
     world: &DAffine3,
     units: LampUnits,
+    odd_cones: &mut usize,
 ) -> Result<Option<Lamp>, FormatError> {
     let Some(holder) = node.extension(EXTENSION)? else { return Ok(None) };
     let index = holder.required_whole("light")?;
@@ -38,10 +39,10 @@ pub(super) fn of_node(
         count: all.len(),
     })?;
     let name = light.name().or(node.name()).map_or_else(|| format!("light {index}"), str::to_owned);
-    Ok(Some(Lamp { name, kind: kind(light, world, units)? }))
+    Ok(Some(Lamp { name, kind: kind(light, world, units, odd_cones)? }))
 }
 
-fn kind(light: &Item<'_>, world: &DAffine3, units: LampUnits) -> Result<LampKind, FormatError> {
+fn kind(light: &Item<'_>, world: &DAffine3, units: LampUnits, odd_cones: &mut usize) -> Result<LampKind, FormatError> {
     let color = light.numbers::<3>("color")?.map_or(Rgb::ONE, Rgb::from);
     let strength = light.number("intensity")?.unwrap_or(1.0);
     let per_unit = match units {
@@ -71,12 +72,14 @@ fn kind(light: &Item<'_>, world: &DAffine3, units: LampUnits) -> Result<LampKind
                 |key, default| Ok(cones.as_ref().map(|c| c.number(key)).transpose()?.flatten().unwrap_or(default));
             let (inner_rad, outer_rad): (f64, f64) =
                 (angle("innerConeAngle", 0.0)?, angle("outerConeAngle", 0.25 * PI)?);
-            if !(inner_rad >= 0.0 && inner_rad < outer_rad && outer_rad <= 0.5 * PI + ANGLE_SLACK_RAD) {
-                let what =
-                    format!("has cones of {inner_rad} and {outer_rad} rad: 0 <= inner < outer <= pi / 2 is expected");
+            if !(outer_rad > 0.0 && inner_rad.is_finite() && outer_rad.is_finite()) {
+                let what = format!("has cones of {inner_rad} and {outer_rad} rad: the outer one should be above 0");
                 return Err(light.bad("spot", what));
             }
+            let is_as_specified = inner_rad >= 0.0 && inner_rad < outer_rad && outer_rad <= 0.5 * PI + ANGLE_SLACK_RAD;
+            *odd_cones += usize::from(!is_as_specified);
             let outer_rad = outer_rad.min(0.5 * PI);
+            let inner_rad = inner_rad.clamp(0.0, outer_rad);
             Ok(LampKind::Spot {
                 position_m,
                 direction: direction()?,

@@ -110,9 +110,9 @@ impl Reader<'_> {
     fn node(&mut self, placed: &Placed<'_>, parent: Option<NodeId>) -> Result<NodeId, FormatError> {
         let item = &placed.item;
         self.tally.skinned_nodes += usize::from(item.get("skin").is_some());
-        if let Some(lamp) = lamp::of_node(self.document, item, &placed.world, self.options.lamp_units)? {
-            self.scene.lamps.push(lamp);
-        }
+        let odd_cones = &mut self.tally.odd_cones;
+        let lamp = lamp::of_node(self.document, item, &placed.world, self.options.lamp_units, odd_cones)?;
+        self.scene.lamps.extend(lamp);
         let mesh = match item.whole("mesh")? {
             Some(mesh) => Some(self.document.item(List::Meshes, mesh, &item.place)?),
             None => None,

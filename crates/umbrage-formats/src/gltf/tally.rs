@@ -29,6 +29,8 @@ pub(super) struct Tally {
     pub(super) morphed_primitives: usize,
     /// Lamps whose unit is doubtful beside surfaces that emit.
     pub(super) blender_lamps: usize,
+    /// Spots whose cones are not as specified.
+    pub(super) odd_cones: usize,
     /// Cameras that see nothing.
     pub(super) bad_cameras: usize,
     pub(super) animations: usize,
@@ -76,6 +78,7 @@ impl Tally {
         warn(self.opaque_glass, |materials| Warning::TransmissionIgnored { materials });
         warn(self.skinned_nodes, |nodes| Warning::SkinsAtRest { nodes });
         warn(self.morphed_primitives, |primitives| Warning::MorphTargetsAtRest { primitives });
+        warn(self.odd_cones, |spots| Warning::OddCones { spots });
         warn(self.blender_lamps, |lamps| Warning::LampsFromBlender { lamps });
         warn(self.bad_cameras, |cameras| Warning::CamerasLeftOut { cameras });
         warn(self.animations, |animations| Warning::AnimationsIgnored { animations });

@@ -4,7 +4,6 @@
 //! lie on its two sides, and a third face stands on it in front of them.
 
 use super::{DSegment, Degree, Event};
-use crate::geometry::polygon;
 use crate::id::{EdgeId, FaceId};
 use crate::prepare::Prepared;
 
@@ -16,12 +15,13 @@ pub fn is_contact(prepared: &Prepared, edge: EdgeId, face: FaceId) -> bool {
         let other_face = &prepared.faces[other];
         other != face && other_face.plane == own.plane && other_face.facing == own.facing
     });
-    let slack_m = prepared.tolerance.weld_m();
-    goes_on
-        && faces.iter().any(|&other| {
-            prepared.faces[other].plane != own.plane
-                && plane.signed_distance_m(polygon::centroid(&prepared.polygon_m(other))) > slack_m
-        })
+    // Cut along the contact, the other lies wholly before or behind: its farthest corner tells which, however small the angle is.
+    let is_before = |other: FaceId| {
+        let heights = prepared.corners(other).map(|v| plane.signed_distance_m(prepared.vertices_m[v]));
+        let farthest_m = heights.max_by(|one, other| one.abs().total_cmp(&other.abs()));
+        farthest_m.is_some_and(|height_m| height_m > prepared.tolerance.coplanar_m())
+    };
+    goes_on && faces.iter().any(|&other| prepared.faces[other].plane != own.plane && is_before(other))
 }
 
 /// The contacts of all faces that show light, as d-segments of degree 0.

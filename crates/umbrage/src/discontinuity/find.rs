@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::features::Surroundings;
 use super::light_met::mean_irradiance;
-use super::{DSegment, Emitter, Event, Features, contact};
+use super::{DSegment, Emitter, Event, Features, closed_gap, contact};
 use crate::id::{DSegmentId, EmitterId, FaceId, LampId, PlaneId, Table};
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress, Stage};
@@ -59,7 +59,8 @@ pub fn find(
     let least = least_share * mean_irradiance;
     let (mut segments, wedges) = traced(prepared, visibility, &features, Kinds::All, least, progress)?;
     let around = Surroundings { prepared, visibility, features: &features, wedges: &AtomicUsize::new(0) };
-    let contacts = contact::contacts(prepared, |face: FaceId| features.receives[face]);
+    let mut contacts = contact::contacts(prepared, |face: FaceId| features.receives[face]);
+    contacts.extend(closed_gap::contacts(prepared, visibility, |face: FaceId| features.receives[face]));
     segments.extend(contacts.into_iter().map(|segment| with_strength(&around, segment)));
     segments.par_sort_by(DSegment::by_face_and_event);
     Ok(Discontinuities { emitters: features.emitters, segments: segments.into(), wedges, mean_irradiance })

@@ -10,7 +10,7 @@ use super::features::Surroundings;
 use super::silhouette::OccluderEdge;
 use super::trace::{self, Received};
 use super::wedge::{Piece, Wedge, chord, clip_directions};
-use super::{DSegment, Degree, Event};
+use super::{DSegment, Degree, Event, closed_gap};
 use crate::geometry::Plane;
 use crate::id::{FaceId, LampId};
 
@@ -98,6 +98,10 @@ impl Surroundings<'_> {
         let segment = |(face, ends_m): (FaceId, [DVec3; 2])| {
             // Beyond its range, and out of its cone, a lamp has no shadows.
             lamp.arriving(ends_m[0].midpoint(ends_m[1]))?;
+            // Across a closed gap the contact stands for it.
+            if edge.faces().any(|over| closed_gap::is_across(self.prepared, self.visibility, [over, face], ends_m)) {
+                return None;
+            }
             self.segment_between(face, ends_m, event, Degree::D0)
         };
         ends.into_iter().filter_map(segment).collect()

@@ -12,6 +12,7 @@
 //! | 2 | EEE: an edge of the source and two of occluders | `three_edges` |
 
 mod bright_part;
+mod closed_gap;
 mod contact;
 mod corner;
 mod d_segment;
@@ -48,6 +49,6 @@ pub use d_segment::{DSegment, Degree, Event};
 pub use emitter::Emitter;
 pub use features::Features;
 pub use find::{Discontinuities, at_least, find};
-pub use near_edges::{contacts_and_near_edges, has_near_edges};
 pub use lamp_curve::LampCurve;
+pub use near_edges::{has_near_edges, near_edges};
 pub use secondary::find_secondary;

@@ -10,7 +10,6 @@ use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
-use super::contact::contacts;
 use super::{DSegment, Degree, Event};
 use crate::geometry::clip;
 use crate::id::{EdgeId, FaceId};
@@ -31,26 +30,13 @@ const SIDEWAYS: f64 = 0.02;
 
 type Edges = RTree<GeomWithData<Rectangle<[f64; 3]>, EdgeId>>;
 
-/// Contacts, and the outlines close before the faces that show light, where things smaller than `least_m` are not resolved: in the
-/// order of faces.
-pub fn contacts_and_near_edges(
-    prepared: &Prepared,
-    least_m: f64,
-    receives: impl Fn(FaceId) -> bool + Sync,
-) -> Vec<DSegment> {
-    let mut segments = contacts(prepared, &receives);
-    segments.extend(near_edges(prepared, least_m, receives));
-    segments.sort_by_key(|segment| segment.face);
-    segments
-}
-
 /// Whether any outline is close before a face.
 pub fn has_near_edges(prepared: &Prepared, least_m: f64) -> bool {
     !near_edges(prepared, least_m, |_| true).is_empty()
 }
 
 /// The outlines close before the faces that show light, where things smaller than `least_m` are not resolved.
-fn near_edges(prepared: &Prepared, least_m: f64, receives: impl Fn(FaceId) -> bool + Sync) -> Vec<DSegment> {
+pub fn near_edges(prepared: &Prepared, least_m: f64, receives: impl Fn(FaceId) -> bool + Sync) -> Vec<DSegment> {
     let outline =
         |faces: &[FaceId]| !(faces.len() == 2 && prepared.normal(faces[0]).dot(prepared.normal(faces[1])) > FLAT);
     let boxes = prepared.edges.iter_enumerated().filter(|(_, edge)| outline(&edge.faces)).map(|(id, edge)| {

@@ -58,7 +58,7 @@ impl Outline {
         Self { points, moments, next_side }
     }
 
-    /// The chord from point `i` to point `j > i`; `None` where both lie on one straight side.
+    /// The chord from point `i` to point `j > i`, its angles not yet measured; `None` where both lie on one straight side.
     fn chord(&self, i: usize, j: usize) -> Option<Chord> {
         let (from, to) = (&self.points[i], &self.points[j]);
         if from.sides.iter().any(|side| to.sides.contains(side)) {
@@ -68,11 +68,13 @@ impl Outline {
         let whole_m2 = 0.5 * self.moments[self.points.len()];
         let part_m2 = 0.5 * (self.moments[j] - self.moments[i] + q.perp_dot(p));
         let length_m = p.distance(q);
-        Some(Chord {
-            areas_m2: [part_m2, whole_m2 - part_m2],
-            length_m,
-            least_sine: self.least_sine_at(i, q - p).min(self.least_sine_at(j, p - q)),
-        })
+        Some(Chord { areas_m2: [part_m2, whole_m2 - part_m2], length_m, least_sine: 1.0 })
+    }
+
+    /// A chord from point `i` to point `j` with its angles.
+    fn with_angles(&self, i: usize, j: usize, chord: Chord) -> Chord {
+        let along = self.points[j].at_m - self.points[i].at_m;
+        Chord { least_sine: self.least_sine_at(i, along).min(self.least_sine_at(j, -along)), ..chord }
     }
 
     /// The chord with the best score, by the numbers of its ends here; one that leaves a neighbour of its ends on the wrong
@@ -82,7 +84,9 @@ impl Outline {
         if self.points.len() > MANY_POINTS {
             let best = self.best_of(self.halving_pairs(), score);
             // One that leaves the patch at an end is for want of others.
-            if best.and_then(|(i, j)| self.chord(i, j)).is_some_and(|chord| chord.least_sine >= 0.0) {
+            let stays_inside =
+                |(i, j)| self.chord(i, j).is_some_and(|chord| self.with_angles(i, j, chord).least_sine >= 0.0);
+            if best.is_some_and(stays_inside) {
                 return best;
             }
         }
@@ -90,8 +94,20 @@ impl Outline {
     }
 
     fn best_of(&self, pairs: impl Iterator<Item = (usize, usize, Chord)>, score: SplitScore) -> Option<(usize, usize)> {
-        let scored = self.with_area(pairs).map(|(i, j, chord)| ((chord.least_sine < 0.0, score.of(&chord)), i, j));
-        scored.reduce(|best, next| if next.0 < best.0 { next } else { best }).map(|(_, i, j)| (i, j))
+        let mut best: Option<((bool, f64), usize, usize)> = None;
+        for (i, j, chord) in self.with_area(pairs) {
+            // Angles are dear, and a neighbour may have left thousands of points: most chords are worse at any angle.
+            let upright = (false, score.of(&Chord { least_sine: 1.0, ..chord }));
+            if best.is_some_and(|(least, ..)| upright >= least) {
+                continue;
+            }
+            let chord = self.with_angles(i, j, chord);
+            let scored = (chord.least_sine < 0.0, score.of(&chord));
+            if best.is_none_or(|(least, ..)| scored < least) {
+                best = Some((scored, i, j));
+            }
+        }
+        best.map(|(_, i, j)| (i, j))
     }
 
     /// The chord whose lesser part is the largest, though it have no area or be turned over.
@@ -138,7 +154,7 @@ impl Outline {
             .fold(1.0, f64::min)
     }
 
-    /// Every chord between two points, with their numbers. Points of one side are passed over together: a neighbour may
+    /// Every chord between two points, with their numbers, without angles. Points of one side are passed over together: a neighbour may
     /// have left hundreds on it.
     fn pairs(&self) -> impl Iterator<Item = (usize, usize, Chord)> + '_ {
         let n = self.points.len();
@@ -191,7 +207,7 @@ impl Outline {
         (0..n).flat_map(beside).filter_map(|(i, j)| self.chord(i, j).map(|chord| (i, j, chord)))
     }
 
-    /// Every chord that may split the patch.
+    /// Every chord that may split the patch, without angles.
     pub(super) fn chords(&self) -> impl Iterator<Item = (usize, usize, Chord)> + '_ {
         self.with_area(self.pairs())
     }
@@ -218,7 +234,9 @@ mod tests {
         let boundary = mesh.boundary(first());
         let outline = Outline::of(&mesh, first(), &boundary);
         assert!(outline.points.len() > MANY_POINTS);
-        let score = |(i, j): (usize, usize)| SplitScore::WellShaped.of(&outline.chord(i, j).unwrap());
+        let score = |(i, j): (usize, usize)| {
+            SplitScore::WellShaped.of(&outline.with_angles(i, j, outline.chord(i, j).unwrap()))
+        };
         let found = outline.best_chord(SplitScore::WellShaped).unwrap();
         let best = outline.best_of(outline.pairs(), SplitScore::WellShaped).unwrap();
         assert!(score(found) < 1.02 * score(best), "{found:?} {best:?}");

@@ -17,6 +17,7 @@ use super::Skin;
 use super::rim::TAPER;
 use crate::geometry::{Plane, PlaneFrame, Tolerance};
 use crate::id::{EdgeId, FaceId, MaterialId, PlaneId, SkinId, SurfaceId, Table, VertexId};
+use crate::scene::Scene;
 
 /// An edge and the direction in which a boundary passes along it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -230,6 +231,11 @@ impl Prepared {
     pub fn smooth_normal(&self, face: FaceId, at_m: DVec3) -> DVec3 {
         let flat = self.normal(face);
         self.faces[face].skin.map_or(flat, |skin| self.skins[skin].normal(at_m, flat))
+    }
+
+    /// Whether a face shows the light that it receives: emitters are drawn in their own colour.
+    pub fn shows_light(&self, scene: &Scene, face: FaceId) -> bool {
+        !scene.materials[self.faces[face].material].emits()
     }
 
     /// Whether a face is part of a smooth surface.

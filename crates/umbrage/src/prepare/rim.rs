@@ -11,7 +11,9 @@
 //! ```
 //!
 //! The strip narrows away from the edge, so that the strips of two edges that meet do not overlap; it is halved in width
-//! until it lies inside the hidden piece that it belongs to.
+//! until one of twice its width would lie inside the hidden piece that it belongs to.
+//!
+//! Holds after: no two strips of one side of a piece touch, so no vertex of one lies on a side of another.
 
 use glam::DVec2;
 
@@ -20,6 +22,8 @@ use glam::DVec2;
 pub(super) const RIM_OF_EXTENT: f64 = 1e-3;
 /// How much shorter a rim is at each end of its far side, in widths. At 1 the rims of two edges at a right angle share a side.
 pub(super) const TAPER: f64 = 1.25;
+/// A piece has room for a strip so many times as wide: beyond 2, strips from opposite sides of it do not meet.
+const ROOM_OF_WIDTH: f64 = 2.1;
 /// A rim's edge is this many widths long at least.
 const MIN_LENGTH_OF_WIDTH: f64 = 4.0;
 /// A hidden piece that is narrower than the rim halved so often has none: vertices must stay farther apart than they are welded.
@@ -41,8 +45,9 @@ impl RimWidth {
         };
         (0..=MAX_HALVINGS).map(Self).find(|width| {
             let width_m = width.width_m(extent_m);
-            let far = width_m * along.perp();
-            let ends = [from + TAPER * width_m * along + far, to - TAPER * width_m * along + far];
+            let room_m = ROOM_OF_WIDTH * width_m;
+            let far = room_m * along.perp();
+            let ends = [from + TAPER * room_m * along + far, to - TAPER * room_m * along + far];
             length_m >= MIN_LENGTH_OF_WIDTH * width_m && ends.into_iter().all(inside)
         })
     }
@@ -65,7 +70,7 @@ mod tests {
     #[test]
     fn a_rim_is_as_wide_as_its_piece_allows() {
         assert_eq!(width_m(&[[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]]), Some(1.0));
-        assert_eq!(width_m(&[[0.0, 0.0], [9.0, 0.0], [9.0, 0.6], [0.0, 0.6]]), Some(0.5));
+        assert_eq!(width_m(&[[0.0, 0.0], [9.0, 0.0], [9.0, 2.0], [0.0, 2.0]]), Some(0.5));
         assert_eq!(width_m(&[[0.0, 0.0], [3.0, 0.0], [3.0, 9.0], [0.0, 9.0]]), Some(0.5));
         // Where the corner rises by 1 in 2, the strip's end lies inside at any width; by 1 in 1.2 at none.
         assert_eq!(width_m(&[[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]]), Some(1.0));

@@ -10,8 +10,8 @@ use glam::DVec3;
 
 use super::Rgb;
 
-/// The least difference of the cosines of a spot's cones, so that nothing is divided by zero. The extension recommends
-/// 0.001, which dims all cones of less than 2.6 degrees.
+/// The least difference of the cosines of a spot's cones, so that nothing is divided by zero where they are one and the light has a
+/// sharp border. The extension recommends 0.001, which dims all cones of less than 2.6 degrees.
 const LEAST_CONE: f64 = 1e-12;
 
 /// A lamp.
@@ -45,7 +45,7 @@ pub enum LampKind {
         intensity: Rgb,
         /// Where its light ends, in metres.
         range_m: Option<f64>,
-        /// Angle between the axis and the inner cone, in radians.
+        /// Angle between the axis and the inner cone, in radians; that of the outer cone where the light has a sharp border.
         inner_rad: f64,
         /// Angle between the axis and the outer cone, beyond which it is dark, in radians; at most a right angle.
         outer_rad: f64,
@@ -188,7 +188,7 @@ impl Lamp {
         };
         let cones = match self.kind {
             LampKind::Spot { inner_rad, outer_rad, .. } => {
-                inner_rad >= 0.0 && inner_rad < outer_rad && outer_rad <= 0.5 * PI + 1e-6
+                inner_rad >= 0.0 && inner_rad <= outer_rad && outer_rad > 0.0 && outer_rad <= 0.5 * PI + 1e-6
             }
             LampKind::Point { .. } | LampKind::Directional { .. } => true,
         };
@@ -201,7 +201,9 @@ impl Lamp {
         } else if range_m.is_some_and(|range_m| !(range_m.is_finite() && range_m > 0.0)) {
             Some("its range must be above 0")
         } else if !cones {
-            Some("its inner cone must be at least 0 and narrower than the outer, which is at most a right angle")
+            Some(
+                "its inner cone must be at least 0 and no wider than the outer, which is above 0 and at most a right angle",
+            )
         } else {
             None
         }
@@ -250,6 +252,11 @@ mod tests {
         let at = |angle: f64| spot(inner, outer).arriving(DVec3::new(2.0 * angle.tan(), 0.0, 0.0));
         assert_eq!(at(0.0).unwrap().irradiance, Rgb::new(0.25, 0.5, 1.0));
         let share = |angle: f64| at(angle).map_or(0.0, |a| a.irradiance.x * a.distance_m * a.distance_m);
+        // Where both cones are one, light ends at once.
+        let sharp = |angle: f64| spot(outer, outer).arriving(DVec3::new(2.0 * angle.tan(), 0.0, 0.0));
+        assert!(sharp(outer + 1e-9).is_none() && spot(outer, outer).defect().is_none());
+        assert!((sharp(outer - 1e-9).unwrap().irradiance.x - 0.25 * outer.cos().powi(2)).abs() < 1e-8);
+        assert!(spot(outer + 1e-9, outer).defect().is_some() && spot(0.0, 0.0).defect().is_some());
         assert!((share(0.29) - 1.0).abs() < 1e-12 && share(0.61) == 0.0);
         // Half way in the cosine, a quarter.
         let middle = (0.5 * (inner.cos() + outer.cos())).acos();
@@ -260,7 +267,7 @@ mod tests {
     fn fluxes_are_the_integrals_of_what_arrives() {
         // Over rings of a sphere of radius 1 around the lamp.
         let rings = 200_000;
-        for (inner, outer) in [(0.3, 0.6), (0.0, 1.2), (0.599, 0.6), (0.0, 0.02)] {
+        for (inner, outer) in [(0.3, 0.6), (0.0, 1.2), (0.599, 0.6), (0.6, 0.6), (0.0, 0.02)] {
             let lamp = spot(inner, outer);
             let ring = |i: i32| {
                 let cosine = 1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(rings);

@@ -59,8 +59,7 @@ pub(super) fn assemble(
             if let Some(value) = known.get(&place.key).filter(|_| place.key.is_shared()) {
                 return Ok(value);
             }
-            let plane = prepared.faces[group.face].plane;
-            let flat = || ReceiverPoint::on_plane(group.at_m, prepared.normal(group.face), plane);
+            let flat = || ReceiverPoint::on_flat_face(prepared, group.face, group.at_m);
             let point = if prepared.is_smooth(group.face) { place.point } else { flat() };
             Ok(irradiance.at(mesh, &point, patch))
         })

@@ -97,7 +97,7 @@ pub fn bounce(
     let mut in_middles_alone = true;
     for gathering in 0..MOST_GATHERINGS {
         let (sources, looked_at) = (mesh.clone(), solution.clone());
-        let mean = looked_at.mean_irradiance(&sources);
+        let mean = looked_at.mean_irradiance(&sources, |face| prepared.shows_light(scene, face));
         let least = if gathering == 0 { LEAST_LIT * mean } else { Rgb::ZERO };
         let reflected = lit_at_least(&looked_at, surfaces, least);
         let light = Irradiance::new(prepared, visibility, &sources, &reflected, mean).coarser(bouncing.coarser);

@@ -169,7 +169,7 @@ impl<'a> Places<'a> {
         if self.prepared.is_smooth(face) {
             return ReceiverPoint::on_face(self.prepared, face, position_m);
         }
-        ReceiverPoint::on_plane(position_m, self.prepared.normal(face), self.prepared.faces[face].plane)
+        ReceiverPoint::on_flat_face(self.prepared, face, position_m)
     }
 
     /// The value at a boundary point of a patch.

@@ -297,7 +297,7 @@ mod tests {
         let settings = SolveSettings { max_residual: 1e-7, max_iterations: 99 };
         let solution = solve(&mesh, &surfaces, &links, settings, Progress::silent()).unwrap();
         let irradiance =
-            Irradiance::new(&prepared, &index, &mesh, &solution.reflected, solution.mean_irradiance(&mesh));
+            Irradiance::new(&prepared, &index, &mesh, &solution.reflected, solution.mean_irradiance(&mesh, |_| true));
         let evaluate = |(&face, &[s, t]): (&usize, &[f64; 2])| {
             let face = FaceId::from(face);
             let corners = prepared.polygon_m(face);

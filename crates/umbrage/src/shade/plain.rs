@@ -174,7 +174,7 @@ mod tests {
         let solve = SolveSettings { max_residual: 1e-6, max_iterations: 99 };
         let bouncing = Bouncing { solve, tolerance: bounced_to, coarser: 1.0 };
         let (solution, bounced) = bounce(room, bouncing, &mut mesh, &mut surfaces, None, Progress::silent()).unwrap();
-        let mean = solution.mean_irradiance(&mesh);
+        let mean = solution.mean_irradiance(&mesh, |_| true);
         let light = Irradiance::new(&prepared, &index, &mesh, &solution.reflected, mean);
         let places = Places::new(&prepared);
         let tolerances = [0.3, 1.0].map(|share| share * tolerance * light.mean);

@@ -25,7 +25,7 @@ use crate::progress::{Cancelled, Progress};
 use crate::scene::{Rgb, Scene};
 use crate::texels::{RayTree, Sources, TexelRadiosity};
 use crate::transport::{BrightPlace, DirectLight};
-use crate::visibility::{AtPoints, ReceiverPoint};
+use crate::visibility::{AtPoints, ReceiverPoint, Visibility};
 
 /// The share of the tolerance that interpolation of indirect light may take.
 const INDIRECT_SHARE: f64 = 0.3;
@@ -151,6 +151,8 @@ pub enum IndirectLight<'a> {
     },
     /// From samples along rays that meet texels.
     Sampled {
+        /// What covers what.
+        visibility: &'a Visibility,
         /// All faces, for rays.
         tree: &'a RayTree,
         /// Their texels.
@@ -206,9 +208,9 @@ pub fn shade(
             let gathered = refine(gathering, &places, field, known, is_not_plain, smooth, progress)?;
             Indirect::Interpolated(Interpolated::new(gathering, &gathered, &plain))
         }
-        IndirectLight::Sampled { tree, light } => {
+        IndirectLight::Sampled { visibility, tree, light } => {
             let sources = Sources::new(scene, prepared, direct, tree);
-            let from = Gathering { prepared, tree, sources: &sources, light };
+            let from = Gathering { prepared, visibility, tree, sources: &sources, light };
             let settings = RegressionSettings { tolerance: settings.tolerance, mean };
             Indirect::Fitted(regress(from, gathering.clone(), &places, is_shown, settings, progress)?)
         }

@@ -8,7 +8,7 @@
 use super::gather::{RadiosityMoments, gather};
 use super::push_pull::push_pull;
 use super::surfaces::Surfaces;
-use crate::id::{PatchId, Table};
+use crate::id::{FaceId, PatchId, Table};
 use crate::mesh::Mesh;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::Rgb;
@@ -64,14 +64,19 @@ impl Solution {
         relative_change(mesh, irradiance, |leaf| self.irradiance[leaf].mean)
     }
 
-    /// Mean irradiance of all faces, in W/m2.
-    pub fn mean_irradiance(&self, mesh: &Mesh) -> Rgb {
-        let (mut power, mut area_m2) = (Rgb::ZERO, 0.0);
-        for leaf in mesh.leaves() {
-            power += mesh.patch(leaf).area_m2 * self.irradiance[leaf].mean;
-            area_m2 += mesh.patch(leaf).area_m2;
-        }
-        power / area_m2
+    /// Mean irradiance of the faces that show it, in W/m2; of all where none does.
+    ///
+    /// Emitters are drawn in their own colour: two that face each other may receive a thousand times what all else does.
+    pub fn mean_irradiance(&self, mesh: &Mesh, shows_it: impl Fn(FaceId) -> bool) -> Rgb {
+        let mean = |counts: &dyn Fn(FaceId) -> bool| {
+            let (mut power, mut area_m2) = (Rgb::ZERO, 0.0);
+            for leaf in mesh.leaves().filter(|&leaf| counts(mesh.patch(leaf).face)) {
+                power += mesh.patch(leaf).area_m2 * self.irradiance[leaf].mean;
+                area_m2 += mesh.patch(leaf).area_m2;
+            }
+            (area_m2 > 0.0).then(|| power / area_m2)
+        };
+        mean(&shows_it).or_else(|| mean(&|_| true)).unwrap_or_default()
     }
 
     /// Checks that light is finite and not negative.

@@ -228,7 +228,7 @@ impl<'a> DirectLight<'a> {
     /// Visits what each lamp brings to a point if nothing stands between, in W/m2, and where a ray to it ends, in metres.
     pub(crate) fn unoccluded_lamps(&self, receiver: &ReceiverPoint, mut visit: impl FnMut(Rgb, DVec3)) {
         for (lamp, _) in self.lamps.iter() {
-            if let Some((light, to_m)) = self.lamps.unoccluded(lamp, receiver) {
+            if let Some((light, to_m)) = self.lamps.unoccluded_and_end(lamp, receiver) {
                 visit(light, to_m);
             }
         }

@@ -80,7 +80,8 @@ pub fn factor_of_seen(
 ) -> f64 {
     let Some(view) = visibility.view(receiver, source) else { return 0.0 };
     let factor = |corners_m: &[DVec2]| factor_in_view(&view, corners_m);
-    if receiver.near.is_none() && among.is_some_and(<[FaceId]>::is_empty) {
+    let is_clear = among.is_some_and(<[FaceId]>::is_empty) && !visibility.is_in_closed_gap(receiver, &view);
+    if receiver.near.is_none() && is_clear {
         let above = view.above_horizon(&source.corners_m);
         return factor(above.as_deref().unwrap_or(&source.corners_m)).max(0.0);
     }

@@ -23,7 +23,7 @@ const UNFADED_OF_RANGE: f64 = 0.17;
 
 /// A lamp as a point that looks at a plane, which no face's plane is.
 pub(super) fn looking_at(no_plane: PlaneId, lamp: &Lamp, plane: &Plane) -> Option<ReceiverPoint> {
-    Some(ReceiverPoint { position_m: lamp.position_m()?, normal: -plane.normal, plane: no_plane, near: None })
+    Some(ReceiverPoint::on_plane(lamp.position_m()?, -plane.normal, no_plane))
 }
 
 /// Solid angle of a triangle seen from the origin, in sr: positive where its corners run clockwise seen from there.

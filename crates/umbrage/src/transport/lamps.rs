@@ -86,13 +86,13 @@ impl Lamps {
         receiver: &ReceiverPoint,
         known: Option<bool>,
     ) -> Option<Rgb> {
-        let (light, to_m) = self.unoccluded(id, receiver)?;
+        let (light, to_m) = self.unoccluded_and_end(id, receiver)?;
         known.unwrap_or_else(|| visibility.stopper(receiver, to_m, None, None).is_none()).then_some(light)
     }
 
     /// Irradiance that one lamp brings to a point if nothing stands between, in W/m2, and where a ray to it ends, in metres; `None`
     /// where it brings none.
-    pub(super) fn unoccluded(&self, id: LampId, receiver: &ReceiverPoint) -> Option<(Rgb, DVec3)> {
+    pub(super) fn unoccluded_and_end(&self, id: LampId, receiver: &ReceiverPoint) -> Option<(Rgb, DVec3)> {
         let lamp = &self.lamps[id];
         let light = self.unoccluded(id, receiver);
         // Grazing light brings nothing, and whether it is seen is rounding.

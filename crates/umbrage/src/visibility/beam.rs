@@ -164,8 +164,11 @@ impl Visibility {
     /// The beam from a point over what of a source is above its horizon; `None` where that is nothing.
     pub fn beam<'a>(&self, receiver: &'a ReceiverPoint, view: PlaneView, source: &'a FlatSource) -> Option<Beam<'a>> {
         let above = view.above_horizon(&source.corners_m);
-        let whole = above.is_none();
-        let outline = above.unwrap_or_else(|| source.corners_m.clone());
+        let whole = above.is_none() && !self.is_in_closed_gap(receiver, &view);
+        let mut outline = above.unwrap_or_else(|| source.corners_m.clone());
+        if self.is_in_closed_gap(receiver, &view) {
+            outline = self.across_gap(receiver, &source.frame, outline);
+        }
         let [low_m, high_m] = convex::bounds_m(&outline);
         let slack_m = SLACK_OF_SOURCE * (high_m - low_m).max_element();
         let rounding = Rounding { slack_m, thin_m2: slack_m * convex::perimeter_m(&outline) };
@@ -216,10 +219,14 @@ impl Visibility {
         );
     }
 
-    /// Adds the shadows of the faces around a point of a smooth surface; breaks where one takes the whole.
+    /// Adds the shadows of what lies on a point, and of the faces around one of a smooth surface; breaks where one takes the whole.
     fn throw_near(&self, beam: &Beam<'_>, thrown: &mut Thrown) -> ControlFlow<()> {
-        let Some(window) = &beam.near else { return ControlFlow::Continue(()) };
         let [_, source] = beam.passing;
+        let covering = beam.receiver.face.map_or(&[][..], |own| self.covering(own));
+        for &face in covering.iter().filter(|&&face| self.plane(face) != source) {
+            self.throw(beam, &beam.window, face, thrown)?;
+        }
+        let Some(window) = &beam.near else { return ControlFlow::Continue(()) };
         let may_occlude = |face: FaceId| {
             let [min_m, max_m] = self.bounds_m(face);
             self.plane(face) != source && window.box_may_occlude(min_m, max_m)
@@ -230,9 +237,16 @@ impl Visibility {
 
     /// Adds the shadow of a face as seen through a window; breaks where it takes the whole.
     fn throw(&self, beam: &Beam<'_>, window: &Window<'_>, face: FaceId, thrown: &mut Thrown) -> ControlFlow<()> {
-        if let Some((shadow, shadow_m2)) = window.shadow(self.boundary_m(face)) {
-            thrown.most_m2 = shadow_m2.max(thrown.most_m2);
-            thrown.shadows.push(shadow);
+        let is_in_gap = || window.is_within(self.near_plane(face), self.tolerance().closed_m());
+        match self.covers(face, beam.receiver) {
+            Some(false) => return ControlFlow::Continue(()),
+            Some(true) if !is_in_gap() => thrown.most_m2 = f64::INFINITY,
+            _ => {
+                if let Some((shadow, shadow_m2)) = window.shadow(self.boundary_m(face)) {
+                    thrown.most_m2 = shadow_m2.max(thrown.most_m2);
+                    thrown.shadows.push(shadow);
+                }
+            }
         }
         if beam.is_taken_by(thrown) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

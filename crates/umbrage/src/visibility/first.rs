@@ -8,7 +8,7 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::ray::Slabs;
+use super::ray::{Origin, Slabs};
 use super::{ReceiverPoint, Visibility};
 use crate::id::{FaceId, PlaneId};
 
@@ -39,25 +39,32 @@ impl Visibility {
     /// a back before.
     pub fn first_front_of(&self, receiver: &ReceiverPoint, to_m: DVec3) -> Option<(FaceId, DVec3)> {
         let from_m = receiver.position_m;
-        let Some(near) = receiver.near else { return self.first_front(from_m, to_m, receiver.plane) };
+        let Some(near) = receiver.near else {
+            let mut first = None;
+            let own = (from_m, receiver.face);
+            let covering = receiver.face.map_or(&[][..], |own| self.covering(own));
+            covering.iter().for_each(|&face| self.meet(face, own, to_m, &mut first));
+            let met = self.nearest(own, to_m, |face| self.plane(face) == receiver.plane, first)?;
+            return Some((met.front?, from_m.lerp(to_m, met.at)));
+        };
         let mut first = None;
         let (near_m, near_to_m) = (near.from_m, to_m + (near.from_m - from_m));
-        self.near(receiver).iter().for_each(|&face| self.meet(face, near_m, near_to_m, &mut first));
+        self.near(receiver).iter().for_each(|&face| self.meet(face, (near_m, None), near_to_m, &mut first));
         let passes = |face: FaceId| self.plane(face) == receiver.plane || self.is_near(receiver, face);
-        let met = self.nearest(from_m, to_m, passes, first)?;
+        let met = self.nearest((from_m, receiver.face), to_m, passes, first)?;
         Some((met.front?, from_m.lerp(to_m, met.at)))
     }
 
     /// The face whose front the open segment between two points meets first, and where; `None` where it meets none, or a back before.
     /// Faces in the plane `passing` are passed through.
     pub fn first_front(&self, from_m: DVec3, to_m: DVec3, passing: PlaneId) -> Option<(FaceId, DVec3)> {
-        let met = self.nearest(from_m, to_m, |face| self.plane(face) == passing, None)?;
+        let met = self.nearest((from_m, None), to_m, |face| self.plane(face) == passing, None)?;
         Some((met.front?, from_m.lerp(to_m, met.at)))
     }
 
     /// Finds what the open segment between two points meets first. Faces in the plane `passing`, where one is given, are passed through.
     pub fn first_met(&self, from_m: DVec3, to_m: DVec3, passing: Option<PlaneId>) -> FirstMet {
-        match self.nearest(from_m, to_m, |face| Some(self.plane(face)) == passing, None) {
+        match self.nearest((from_m, None), to_m, |face| Some(self.plane(face)) == passing, None) {
             None => FirstMet::Nothing,
             Some(Met { front: None, face, .. }) => FirstMet::Back(face),
             Some(Met { front: Some(face), at, .. }) => FirstMet::Front(face, from_m.lerp(to_m, at)),
@@ -67,13 +74,13 @@ impl Visibility {
     /// What a segment meets first, if that is not `first` already.
     fn nearest(
         &self,
-        from_m: DVec3,
+        from: Origin,
         to_m: DVec3,
         passes: impl Fn(FaceId) -> bool,
         mut first: Option<Met>,
     ) -> Option<Met> {
         let tree = self.tree();
-        let slabs = Slabs::new(from_m, to_m);
+        let slabs = Slabs::new(from.0, to_m);
         let enters = |node: u32| {
             let aabb = tree.nodes[node as usize].aabb();
             slabs.may_enter(aabb.min, aabb.max)
@@ -93,7 +100,7 @@ impl Visibility {
                     let face = FaceId::from(primitive as usize);
                     let [min_m, max_m] = self.bounds_m(face);
                     if !passes(face) && slabs.meet(min_m, max_m) {
-                        self.meet(face, from_m, to_m, &mut first);
+                        self.meet(face, from, to_m, &mut first);
                     }
                 }
                 continue;
@@ -113,8 +120,8 @@ impl Visibility {
     }
 
     /// Notes a face that a segment crosses, where it is the first so far.
-    fn meet(&self, face: FaceId, from_m: DVec3, to_m: DVec3, first: &mut Option<Met>) {
-        let Some([over_start, over_end]) = self.crossing(face, from_m, to_m) else { return };
+    fn meet(&self, face: FaceId, from: Origin, to_m: DVec3, first: &mut Option<Met>) {
+        let Some([over_start, over_end]) = self.crossing(face, from, to_m) else { return };
         let at = over_start / (over_start - over_end);
         let plane = self.plane(face);
         let front = (over_start > 0.0).then_some(face);

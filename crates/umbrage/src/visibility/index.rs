@@ -22,6 +22,7 @@ use super::around::Around;
 use crate::geometry::{Plane, Tolerance};
 use crate::id::{FaceId, PlaneId, Table};
 use crate::prepare::Prepared;
+use rayon::prelude::*;
 
 /// Distances from planes are good to this share of the extent, at points within a few extents.
 const ROUNDED_OF_EXTENT: f64 = 1e-13;
@@ -64,6 +65,8 @@ pub struct Visibility {
     corners_m: Vec<DVec3>,
     /// The faces around each facet of a smooth surface.
     around: Around,
+    /// The faces that may cover points of each.
+    covering: Table<FaceId, Box<[FaceId]>>,
     tolerance: Tolerance,
 }
 
@@ -113,12 +116,21 @@ impl Visibility {
         }
         let tree = if faces.is_empty() { Bvh2::default() } else { build(faces.raw.as_slice()) };
         let boxes = faces.iter().map(Boundable::aabb).collect();
-        Self { tree, faces, boxes, corners_m, around: Around::new(prepared), tolerance: prepared.tolerance }
+        let (around, covering) = (Around::new(prepared), Table::new());
+        let index = Self { tree, faces, boxes, corners_m, around, covering, tolerance: prepared.tolerance };
+        let covering: Vec<_> =
+            (0..prepared.faces.len()).into_par_iter().map(|own| index.lying_over(own.into())).collect();
+        Self { covering: covering.into(), ..index }
     }
 
     /// The faces around the facets of smooth surfaces.
     pub(super) fn around(&self) -> &Around {
         &self.around
+    }
+
+    /// The faces that may cover points of a face ([`super::pair`]); hardly any face has one.
+    pub(super) fn covering(&self, own: FaceId) -> &[FaceId] {
+        &self.covering[own]
     }
 
     /// The tree of boxes.
@@ -141,6 +153,11 @@ impl Visibility {
         let (plane, apart_m) = &self.faces[face].near;
         let [from, to] = [from_m, to_m].map(|end| plane.signed_distance_m(end));
         from.min(to) > *apart_m || from.max(to) < -apart_m
+    }
+
+    /// The plane of a face, towards its front.
+    pub(super) fn near_plane(&self, face: FaceId) -> &Plane {
+        &self.faces[face].near.0
     }
 
     /// The box of a face, in metres.

@@ -30,8 +30,12 @@ impl Visibility {
         if let Some(&near) = self.near(receiver).iter().find(stops) {
             return Some(near);
         }
+        if let Some(cover) = self.cover(receiver, to_m, source) {
+            return Some(cover);
+        }
         let passing = [receiver.plane, source.unwrap_or(receiver.plane)];
-        self.blocker_but(among, receiver.position_m, to_m, passing, |face| self.is_near(receiver, face))
+        let from = (receiver.position_m, receiver.face);
+        self.blocker_but(among, from, to_m, passing, |face| self.is_near(receiver, face))
     }
 
     /// Whether a face stands between a receiver point and another point.
@@ -41,8 +45,8 @@ impl Visibility {
             return false;
         }
         match receiver.near {
-            Some(near) if self.is_near(receiver, face) => self.is_crossed(face, near.from_m, to_m),
-            _ => plane != receiver.plane && self.is_crossed(face, receiver.position_m, to_m),
+            Some(near) if self.is_near(receiver, face) => self.is_crossed(face, (near.from_m, None), to_m),
+            _ => plane != receiver.plane && self.is_crossed(face, (receiver.position_m, receiver.face), to_m),
         }
     }
 }

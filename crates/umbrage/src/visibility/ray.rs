@@ -11,8 +11,12 @@ use std::ops::ControlFlow;
 use glam::{DVec3, Vec3A};
 
 use super::Visibility;
+use super::pair::Placed;
 use crate::geometry::predicate::orient_3d;
 use crate::id::{FaceId, PlaneId};
+
+/// Where a ray starts, in metres, and the face that this is a point of, if it is one.
+pub(super) type Origin = (DVec3, Option<FaceId>);
 
 impl Visibility {
     /// Whether a face crosses the open segment between two points; faces in the planes `passing` are passed through.
@@ -28,40 +32,35 @@ impl Visibility {
         to_m: DVec3,
         passing: [PlaneId; 2],
     ) -> Option<FaceId> {
-        self.blocker_but(among, from_m, to_m, passing, |_| false)
+        self.blocker_but(among, (from_m, None), to_m, passing, |_| false)
     }
 
-    /// The same, but for faces that `passes` lets pass.
+    /// The same from a point that may be of a face, but for faces that `passes` lets pass.
     pub(super) fn blocker_but(
         &self,
         among: Option<&[FaceId]>,
-        from_m: DVec3,
+        from: Origin,
         to_m: DVec3,
         passing: [PlaneId; 2],
         passes: impl Fn(FaceId) -> bool,
     ) -> Option<FaceId> {
         let mut hit = None;
         let visit = |face| {
-            if passes(face) || !self.is_blocked_by(face, from_m, to_m, passing) {
+            if passes(face) || passing.contains(&self.plane(face)) || !self.is_crossed(face, from, to_m) {
                 return ControlFlow::Continue(());
             }
             hit = Some(face);
             ControlFlow::Break(())
         };
-        self.walk_along(&Slabs::new(from_m, to_m), among, visit);
+        self.walk_along(&Slabs::new(from.0, to_m), among, visit);
         hit
-    }
-
-    /// Whether a face crosses the open segment between two points and lies in none of the planes `passing`.
-    fn is_blocked_by(&self, face: FaceId, from_m: DVec3, to_m: DVec3, passing: [PlaneId; 2]) -> bool {
-        !passing.contains(&self.plane(face)) && self.is_crossed(face, from_m, to_m)
     }
 
     /// The faces that cross the open segment between two points, but for those in the plane `passing`.
     pub fn crossed(&self, from_m: DVec3, to_m: DVec3, passing: PlaneId) -> Vec<FaceId> {
         let mut crossed = Vec::new();
         self.walk_along(&Slabs::new(from_m, to_m), None, |face| {
-            if self.plane(face) != passing && self.is_crossed(face, from_m, to_m) {
+            if self.plane(face) != passing && self.is_crossed(face, (from_m, None), to_m) {
                 crossed.push(face);
             }
             ControlFlow::Continue(())
@@ -69,15 +68,25 @@ impl Visibility {
         crossed
     }
 
-    pub(super) fn is_crossed(&self, face: FaceId, from_m: DVec3, to_m: DVec3) -> bool {
-        self.crossing(face, from_m, to_m).is_some()
+    pub(super) fn is_crossed(&self, face: FaceId, from: Origin, to_m: DVec3) -> bool {
+        self.crossing(face, from, to_m).is_some()
     }
 
     /// How far the ends of an open segment that a face crosses, by exact signs, are over the face, in one measure: one of them is
-    /// below zero.
-    pub(super) fn crossing(&self, face: FaceId, from_m: DVec3, to_m: DVec3) -> Option<[f64; 2]> {
-        if self.is_beside(face, from_m, to_m) {
+    /// below zero. Of a start on a face that is very near, the side that its face is on counts ([`super::pair`]).
+    pub(super) fn crossing(&self, face: FaceId, (from_m, own): Origin, to_m: DVec3) -> Option<[f64; 2]> {
+        let placed = own.and_then(|own| self.placed_at(face, own, from_m));
+        if placed == Some(Placed::Behind) || (placed.is_none() && self.is_beside(face, from_m, to_m)) {
             return None;
+        }
+        let side_of_start = match placed {
+            Some(Placed::BeforeWithFront) => 1.0,
+            Some(Placed::BeforeWithBack) => -1.0,
+            _ => 0.0,
+        };
+        if side_of_start != 0.0 && self.is_over(face, from_m) {
+            let over_end = self.near_plane(face).signed_distance_m(to_m);
+            return (side_of_start * over_end < 0.0).then_some([side_of_start * f64::MIN_POSITIVE, over_end]);
         }
         let (&apex, others) = self.boundary_m(face).split_first()?;
         // A triangle of the fan is crossed where the line turns the same way around all of its sides.
@@ -90,8 +99,11 @@ impl Visibility {
             }
             let turns = [first, orient_3d(from_m, to_m, pair[0], pair[1]), last];
             if turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0) {
-                let over = [from_m, to_m].map(|end| orient_3d(apex, pair[0], pair[1], end));
-                if over[0] * over[1] < 0.0 {
+                let mut over = [from_m, to_m].map(|end| orient_3d(apex, pair[0], pair[1], end));
+                if side_of_start != 0.0 {
+                    over[0] = side_of_start * over[0].abs().max(f64::MIN_POSITIVE);
+                }
+                if (over[0] > 0.0 && over[1] < 0.0) || (over[0] < 0.0 && over[1] > 0.0) {
                     return Some(over);
                 }
             }

@@ -41,6 +41,8 @@ pub struct ReceiverPoint {
     pub normal: DVec3,
     /// The plane that it lies in: the plane's faces do not shade it.
     pub plane: PlaneId,
+    /// The face that it lies on, where it lies on one: what is nearer to it than rounding is on the side of it that the face is on.
+    pub face: Option<FaceId>,
     /// From where the faces around it are seen, on a smooth surface; there they may shade it.
     pub near: Option<NearView>,
 }
@@ -59,7 +61,7 @@ impl ReceiverPoint {
     pub fn on_face(prepared: &Prepared, face: FaceId, near_m: DVec3) -> Self {
         let plane = prepared.oriented_plane(face);
         let position_m = plane.project(near_m);
-        let flat = Self::on_plane(position_m, plane.normal, prepared.faces[face].plane);
+        let flat = Self { face: Some(face), ..Self::on_plane(position_m, plane.normal, prepared.faces[face].plane) };
         if !prepared.is_smooth(face) {
             return flat;
         }
@@ -69,8 +71,14 @@ impl ReceiverPoint {
         Self { normal, near: Some(NearView { face, from_m }), ..flat }
     }
 
+    /// A point that lies on a flat face, within rounding.
+    pub fn on_flat_face(prepared: &Prepared, face: FaceId, position_m: DVec3) -> Self {
+        let flat = Self::on_plane(position_m, prepared.normal(face), prepared.faces[face].plane);
+        Self { face: Some(face), ..flat }
+    }
+
     /// A point of a plane that is what it looks like.
     pub fn on_plane(position_m: DVec3, normal: DVec3, plane: PlaneId) -> Self {
-        Self { position_m, normal, plane, near: None }
+        Self { position_m, normal, plane, face: None, near: None }
     }
 }

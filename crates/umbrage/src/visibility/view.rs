@@ -83,6 +83,8 @@ pub(super) struct Window<'a> {
     on_receiver_m: f64,
     /// Within this distance from the source's plane a corner counts as in it.
     on_source_m: f64,
+    /// And a face before it where a corner is farther than this.
+    in_source_m: f64,
     pub(super) outline: Convex,
     pub(super) rounding: Rounding,
     beam_sides: BeamSides,
@@ -112,9 +114,10 @@ impl<'a> Window<'a> {
         let on_source_m = weld_m.min(IN_SOURCE_OF_HEIGHT * view.height_m);
         let beam_sides: BeamSides = convex::long_sides(&outline, rounding.slack_m).map(to_side).collect();
         let towards = frame.plane.normal;
+        let in_source_m = tolerance.coplanar_m().min(on_source_m);
         let ends = [
             (normal, weld_m),
-            (towards, on_source_m - view.height_m),
+            (towards, in_source_m - view.height_m),
             // What is as high over the source as the point is behind it.
             (-towards, 0.0),
         ];
@@ -126,6 +129,7 @@ impl<'a> Window<'a> {
             horizon: Plane::through(from_m, normal),
             on_receiver_m: weld_m,
             on_source_m,
+            in_source_m,
             rounded: HalfSpaces::around(from_m, half_spaces, tolerance.extent_m),
             beam_sides,
             outline,
@@ -147,11 +151,16 @@ impl<'a> Window<'a> {
         }
         let plane = &self.frame.plane;
         let (over_source, reach) = (plane.signed_distance_m(middle), plane.normal.abs().dot(half));
-        if over_source + reach <= self.on_source_m || over_source - reach >= self.view.height_m {
+        if over_source + reach <= self.in_source_m || over_source - reach >= self.view.height_m {
             return false;
         }
         let from_point = middle - self.from_m;
         self.beam_sides.iter().all(|(side, least)| side.dot(from_point) + side.abs().dot(half) > *least)
+    }
+
+    /// Whether all of it is within a distance of a plane, in metres.
+    pub(super) fn is_within(&self, plane: &Plane, distance_m: f64) -> bool {
+        self.outline.iter().all(|&corner| plane.signed_distance_m(self.frame.to_3d(corner)).abs() <= distance_m)
     }
 
     /// The part of the window in the shadow of a face and its area, in square metres; `None` where that is nothing.
@@ -165,7 +174,7 @@ impl<'a> Window<'a> {
                 let below = if height.abs() <= self.on_receiver_m { height + self.on_receiver_m } else { 0.0 };
                 above_receiver |= height > self.on_receiver_m;
                 let q = self.homogeneous(corner - below * self.horizon.normal);
-                before_source |= q.z < 1.0;
+                before_source |= self.frame.plane.signed_distance_m(corner) > self.in_source_m;
                 q
             })
             .collect();

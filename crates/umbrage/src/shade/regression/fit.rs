@@ -21,6 +21,7 @@ use crate::scene::Rgb;
 use crate::shade::element::Outlined;
 use crate::shade::field::{MeshPoint, Places};
 use crate::texels::{RayTree, Sources, TexelRadiosity};
+use crate::visibility::Visibility;
 
 /// Noise and misfit may be this share of the tolerance; what is left is for interpolation between vertices.
 const SHARE_OF_TOLERANCE: f64 = 0.85;
@@ -95,6 +96,7 @@ pub(crate) struct RegressionSettings {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Gathering<'a> {
     pub(crate) prepared: &'a Prepared,
+    pub(crate) visibility: &'a Visibility,
     pub(crate) tree: &'a RayTree,
     pub(crate) sources: &'a Sources<'a>,
     pub(crate) light: &'a TexelRadiosity,
@@ -132,8 +134,8 @@ pub(crate) fn regress(
     RegressionSettings { tolerance, mean }: RegressionSettings,
     progress: Progress<'_>,
 ) -> Result<FittedLight, Cancelled> {
-    let Gathering { prepared, tree, sources, light } = gathering;
-    let sampler = Sampler { prepared, tree, sources, light };
+    let Gathering { prepared, visibility, tree, sources, light } = gathering;
+    let sampler = Sampler { prepared, visibility, tree, sources, light };
     let lit_faces = lit_faces(prepared, light);
     let mut leaves: FxHashMap<PatchId, Leaf> = FxHashMap::default();
     let mut nodes = Nodes::default();

@@ -6,6 +6,7 @@ use crate::id::{FaceId, PatchId};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::texels::{Draws, Ray, RayTree, Sequence, Sources, Start, TexelRadiosity, key_of, point_of};
+use crate::visibility::Visibility;
 
 /// What a ray meets nearer than so many texels is looked at closely where direct light varies: its texel is too coarse.
 const CLOSE_OF_TEXEL: f32 = 2.0;
@@ -43,6 +44,7 @@ impl Sample {
 #[derive(Debug)]
 pub(super) struct Sampler<'a> {
     pub(super) prepared: &'a Prepared,
+    pub(super) visibility: &'a Visibility,
     pub(super) tree: &'a RayTree,
     pub(super) sources: &'a Sources<'a>,
     pub(super) light: &'a TexelRadiosity,
@@ -68,7 +70,11 @@ impl Sampler<'_> {
                 None => Start::new(self.prepared, self.tree, face, point_m),
             };
             let mut draws = Draws::new(key_of(number, OF_CLOSE_LIGHT) ^ key);
-            let (light, nearness) = self.along(&start, u, v, &mut draws);
+            // From a closed gap nothing is seen: rays start beyond what covers it.
+            let (light, nearness) = match self.visibility.is_covered(&start.receiver) {
+                true => (Vec3::ZERO, 0.0),
+                false => self.along(&start, u, v, &mut draws),
+            };
             let direction = [u, v].map(|share| (share * 65_536.0) as u16);
             samples.push(Sample { at_m: at_m.as_vec2().to_array(), light, nearness, direction });
         }
