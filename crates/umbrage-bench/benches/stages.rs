@@ -110,10 +110,16 @@ fn shade(bencher: Bencher<'_, '_>, name: &str) {
     let Stages { scene, prepared, visibility, mesh, .. } = &stages;
     let direct = DirectLight::new(scene, prepared, visibility);
     let solution = stages.solve(&direct);
-    let light = Irradiance::new(prepared, visibility, mesh, &solution.reflected, solution.mean_irradiance(mesh));
+    let light = Irradiance::new(
+        prepared,
+        visibility,
+        mesh,
+        &solution.reflected,
+        solution.mean_irradiance(mesh, |face| prepared.shows_light(scene, face)),
+    );
     // No bounces went before: all is gathered.
     let bounced = AtPoints::new(Vec::new());
-    let indirect = IndirectLight { irradiance: &light, bounced: &bounced };
+    let indirect = IndirectLight::Gathered { irradiance: &light, bounced: &bounced };
     let settings = ShadeSettings { tolerance: TOLERANCE, ..ShadeSettings::default() };
     bencher
         .with_inputs(|| ShadeMeshes {

@@ -151,7 +151,7 @@ fn wards_room_is_right_at_all_ten_points() {
     assert!(errors.iter().all(|error| error.abs() <= 5e-3), "{errors:+.4?}");
 }
 
-/// A room with so many boxes in it that light is gathered along rays; all reflects a half, and so does the lamp. Also what it gives.
+/// A room with so many boxes in it that reflected light is fitted to samples; all reflects a half, and so does the lamp. Also what it gives.
 fn room_of_boxes() -> (Scene, f64) {
     let grey = || Material::diffuse("grey", Rgb::splat(0.5));
     let mut scene = Scene::default();
@@ -166,7 +166,7 @@ fn room_of_boxes() -> (Scene, f64) {
 }
 
 #[test]
-fn light_along_rays_is_absorbed_whole_and_the_same_by_one_thread_or_three() {
+fn fitted_light_is_absorbed_whole_and_the_same_by_one_thread_or_three() {
     let (scene, given_w) = room_of_boxes();
     let default = BakeSettings::default();
     let settings = BakeSettings { shade: ShadeSettings { tolerance: 0.1, ..default.shade }, ..default };
@@ -175,12 +175,12 @@ fn light_along_rays_is_absorbed_whole_and_the_same_by_one_thread_or_three() {
         pool.install(|| bake(&scene, &settings, Progress::silent()).unwrap())
     });
     assert!(bakes[0].mesh == bakes[1].mesh, "threads change the light");
-    assert!(bakes[0].report.rays.is_some() && bakes[0].report.links == 0);
+    assert!(bakes[0].report.samples.is_some() && bakes[0].report.links == 0);
     let triangles = common::lit_triangles(&bakes[0].mesh);
     let all: Vec<&Lit> = triangles.iter().collect();
     let area_m2: f64 = all.iter().map(|t| t.area()).sum();
     let absorbed = 0.5 * mean(&all, |e| e) * area_m2 / given_w;
-    println!("along {:?} rays: {absorbed:.4} of what is given", bakes[0].report.rays);
+    println!("{:?} samples: {absorbed:.4} of what is given", bakes[0].report.samples);
     // Straight lines between vertices run over the hollows of light beside edges: at this tolerance by a hundredth or two.
     assert!((absorbed - 1.0).abs() < 0.03, "{absorbed}");
     assert!(bakes[0].report.energy.error().abs() < 0.01, "{:?}", bakes[0].report.energy);
