@@ -13,6 +13,7 @@ use umbrage_inspect::{d_segments, mesh, patches};
 use crate::method::MethodArgs;
 use crate::output::{Output, answer};
 use crate::progress::Bar;
+use crate::replace::{self, Made};
 use crate::scene_file::SceneArgs;
 use crate::{interrupt, summary};
 
@@ -63,6 +64,9 @@ enum Form {
 
 pub(crate) fn run(args: &InspectArgs, output: Output) -> anyhow::Result<()> {
     let form = form_of(args)?;
+    if let Some(path) = &args.output {
+        replace::check(path, Made::Inspection, output.force)?;
+    }
     interrupt::listen()?;
     let scene = args.reading.read(&args.scene, ReadOptions::default().max_reflectance)?;
     let text =

@@ -9,6 +9,7 @@ use umbrage_page::PageOptions;
 use umbrage_picture::Camera;
 
 use crate::output::Output;
+use crate::replace::{self, Made};
 use crate::shown::{Colors, Shown, default_camera};
 use crate::summary;
 
@@ -30,7 +31,7 @@ const FIRST_VIEW_PX: [usize; 2] = [800, 600];
 pub(crate) struct PageArgs {
     /// The baked file (.glb)
     baked: PathBuf,
-    /// The page to write (.html); replaced if it exists
+    /// The page to write (.html); a page of that name is replaced, another file with --force alone
     #[arg(short, long, value_name = "OUT.html")]
     output: PathBuf,
     /// Its title [default: the scene's name, or the file's]
@@ -39,6 +40,7 @@ pub(crate) struct PageArgs {
 }
 
 pub(crate) fn run(args: &PageArgs, output: Output) -> anyhow::Result<()> {
+    replace::check(&args.output, Made::Page, output.force)?;
     // Textures are decoded so that a page is not written with one that a browser would refuse.
     let shown = Shown::read(&args.baked)?;
     let meshes = shown.meshes(Colors::Seen, shown.file.exposure_k);

@@ -31,14 +31,14 @@ pub enum FormatError {
         file: String,
     },
     /// Neither the beginning of the file nor its name is that of a known format.
-    #[error(
-        "{file}: {found} is not a format that can be read: export the scene as glTF 2.0 (.glb or .gltf), OBJ, MGF, PLY or STL"
-    )]
+    #[error("{file}: {found} is not a format that can be read: {cure}")]
     UnknownFormat {
         /// The file.
         file: String,
         /// What it seems to be.
         found: String,
+        /// How to make something of it that can be read.
+        cure: &'static str,
     },
     /// The frame of a GLB is broken: its header or its chunks.
     #[error("{file}: not a sound GLB: {what}: export or copy it again")]

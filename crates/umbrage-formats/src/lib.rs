@@ -28,6 +28,7 @@ mod similar;
 mod stl;
 mod text;
 mod texture_mean;
+mod tint;
 mod warning;
 
 pub use atomic::{check_writable, write_atomically};
@@ -41,6 +42,7 @@ pub use read::{
     LampUnits, ReadOptions, SceneAndFiles, UpAxis, read_baked, read_baked_bytes, read_scene, read_scene_and_files,
     read_scene_bytes, read_scene_with,
 };
+pub use text::shortened;
 pub use texture_mean::picture_wrap;
 pub use umbrage::scene::Wrap as TextureWrap;
 pub use warning::Warning;

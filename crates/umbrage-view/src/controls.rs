@@ -47,6 +47,7 @@ impl Controls {
 
     /// Takes over what the options say of a file that is opened for the first time.
     pub(crate) fn show_first(&mut self, look: &LookArgs, lines: LineArgs, file: &BakedFile) {
+        self.unit = self.unit.in_file(file);
         self.look = first_look(look, lines, file);
     }
 

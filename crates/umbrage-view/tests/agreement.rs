@@ -115,7 +115,7 @@ fn expected(path: &Path, words: &str, lines: impl FnOnce(&Shown, &umbrage_pictur
         height: size.height,
         look: match scale {
             Some((unit, end)) => Look::FalseColor { end: (end / unit.per_file_unit()) as f32 },
-            None => Look::Display { exposure: look.exposure as f32, tone: look.tone() },
+            None => Look::Display { exposure: look.brighter(&shown.file) as f32, tone: look.tone() },
         },
         ..RenderSettings::default()
     };

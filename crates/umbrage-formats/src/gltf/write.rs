@@ -37,6 +37,10 @@ pub struct BakeFacts {
     pub extras: Map<String, Value>,
 }
 
+/// What a file says of the unit of its `_IRRADIANCE`.
+pub(super) const PHOTOMETRIC: &str = "irradiance lx";
+const RADIOMETRIC: &str = "irradiance W/m2";
+
 /// What was written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Written {
@@ -121,7 +125,9 @@ fn encode(scene: &Scene, baked: &BakedMesh, facts: &BakeFacts, file: &str) -> Re
     let mean_light = exposure::mean_colour(scene, baked, k);
     for surface in &scene.see_through {
         if let Some(see_through) = SeeThrough::new(scene, surface, baked.origin_m) {
-            let primitive = see_through.primitive(&mut buffer, mean_light, materials.number_of[surface.material]);
+            // What shines, and lights nothing, shines all the same.
+            let light = if scene.materials[surface.material].shines() { Rgb::ONE } else { mean_light };
+            let primitive = see_through.primitive(&mut buffer, light, materials.number_of[surface.material]);
             primitives[usize::from(surface.node)].push(primitive);
         }
     }
@@ -185,7 +191,7 @@ fn colours(material: &Material, base: Rgb, part: &BakedPart, k: f64) -> (Vec<[u1
     let mut clipped = 0;
     let colour = |vertex| {
         let colour = exposure::colour(material, base, exposure::irradiance(part, vertex), k);
-        clipped += usize::from(!material.emits() && colour.max_element() > 1.0);
+        clipped += usize::from(!material.shines() && colour.max_element() > 1.0);
         let steps = (colour.clamp(Rgb::ZERO, Rgb::ONE) * one).round().to_array();
         let [red, green, blue] = steps.map(|channel| channel as u16);
         [red, green, blue, u16::MAX]
@@ -233,7 +239,7 @@ fn asset(scene: &Scene, facts: &BakeFacts, k: f64) -> Value {
         extras.insert("exposure_percentile".into(), json!(exposure::PERCENTILE));
     }
     extras.insert("residual".into(), json!(facts.residual));
-    extras.insert("units".into(), json!("irradiance W/m2"));
+    extras.insert("units".into(), json!(if scene.photometric { PHOTOMETRIC } else { RADIOMETRIC }));
     let generator = concat!("Umbrage ", env!("CARGO_PKG_VERSION"));
     let mut asset = json!({"version": "2.0", "generator": generator});
     if let Some(copyright) = &scene.copyright {

@@ -16,6 +16,9 @@ use crate::{FormatError, Warning};
 /// The name of what stands for no material at all.
 const NO_MATERIAL: &str = "default";
 
+/// What lets at least half of the light through (`d` of a half and less) blocks nothing, as glass of a glTF.
+const GLASS_OPACITY: f64 = 0.5;
+
 /// Opacity below which what has an image of it is not seen: what glTF gives a mask that says nothing.
 const CUTOFF: f64 = 0.5;
 
@@ -24,6 +27,8 @@ const CUTOFF: f64 = 0.5;
 pub(super) enum Use {
     /// A material of the scene.
     Opaque(MaterialId),
+    /// A material of the scene that light passes through.
+    Glass(MaterialId),
     /// Fully transparent: the polygon is left out.
     Transparent,
 }
@@ -138,13 +143,19 @@ impl Materials {
     /// The materials of the libraries, in their order.
     pub(super) fn new(libraries: Libraries<'_>, builder: &mut SceneBuilder) -> Self {
         let mut materials = Self { warnings: libraries.warnings, ..Self::default() };
-        for (folder, material) in libraries.materials {
+        for (folder, mut material) in libraries.materials {
             if material.opacity <= 0.0 {
                 materials.by_name.insert(material.name, Use::Transparent);
                 continue;
             }
+            if builder.is_dark(&material.name) {
+                (material.radiance, material.emission_texture) = (Rgb::ZERO, None);
+            }
             let images = materials.textures.load((libraries.folder, &folder), &material, builder);
-            materials.half_transparent += usize::from(material.opacity < 1.0 || images.cut_out);
+            let emits = material.radiance != Rgb::ZERO;
+            let is_glass = material.opacity <= GLASS_OPACITY && !emits;
+            materials.half_transparent += usize::from((material.opacity < 1.0 && !is_glass) || images.cut_out);
+            let opacity = material.opacity.min(1.0);
             // What a material reflects and emits is known once its surfaces are, where there is an image on it.
             let known = |colour: Rgb, image: &Option<Shown>| if image.is_some() { Rgb::ZERO } else { colour };
             let MtlMaterial { name, reflectance, radiance, .. } = material;
@@ -154,12 +165,19 @@ impl Materials {
                 (None, colour) => colour.as_ref().map(|colour| colour.texture(Rgb::ONE)),
             };
             let is_cut = images.cut_out && images.emission.is_none();
-            let alpha = if is_cut { Alpha::Mask { alpha: 1.0, cutoff: CUTOFF } } else { Alpha::Opaque };
+            let alpha = match (is_glass, is_cut) {
+                (true, _) => Alpha::Blend { alpha: opacity },
+                (false, true) => Alpha::Mask { alpha: 1.0, cutoff: CUTOFF },
+                (false, false) => Alpha::Opaque,
+            };
             let look = Look { texture, alpha, ..Look::default() };
             let radiance = known(radiance, &images.emission);
             let id = builder.material(Material { radiance, look, ..Material::diffuse(name.clone(), reflectance) });
             materials.textures.shows(id, images);
-            materials.by_name.insert(name, Use::Opaque(id));
+            if is_glass {
+                builder.see_through(id);
+            }
+            materials.by_name.insert(name, if is_glass { Use::Glass(id) } else { Use::Opaque(id) });
         }
         materials
     }
