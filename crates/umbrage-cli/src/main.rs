@@ -16,6 +16,7 @@ mod interrupt;
 mod light;
 mod limits;
 mod memory;
+mod pace;
 mod page;
 mod plan;
 mod progress;

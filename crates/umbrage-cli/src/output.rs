@@ -50,6 +50,12 @@ pub fn warning(text: &str) {
     report(WARNING, "warning", text);
 }
 
+/// Writes how something is going.
+pub fn note(text: &str) {
+    // Where standard error is closed, there is nobody to tell.
+    let _ = writeln!(stderr().lock(), "{}", harmless(text));
+}
+
 /// Writes an error.
 pub fn error(text: &str) {
     report(ERROR, "error", text);

@@ -19,7 +19,7 @@ Examples:
   umbrage page baked.glb -o room.html --title \"The room at noon\"
 
 The page opens from a disk in any current browser, without network: drag to turn, wheel or pinch to come nearer, W A S D \
-to walk. It starts with the first camera of the file, or from outside where there is none. The address of the page keeps \
+to walk. It starts with the first camera of the file; without one, inside where the scene is an interior, else outside. The address of the page keeps \
 the view: #eye=x,y,z&target=x,y,z&fov=40&exposure=2&tone=filmic&show=irradiance&wire=1";
 
 /// Pixels of a window, to choose the first view by.

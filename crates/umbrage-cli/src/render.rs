@@ -30,8 +30,8 @@ Examples:
   umbrage render baked.glb -o lux.png --false-color lx --scale-end 500
   umbrage render --side-by-side coarse.glb fine.glb --difference -o compared.png
 
-Without --eye the first camera of the file is used; without one, the camera stands outside, where most of the light can \
-be seen. Surfaces are seen from their front only.
+Without --eye the first camera of the file is used; without one, the camera stands inside where the scene is an interior, \
+else outside, above, where most of the light can be seen. --exposure is that of `umbrage bake`, whose summary tells the one it chose. Surfaces are seen from their front only.
 
 A .png shows what a screen can show. A .exr holds the light itself, linear and not cut off; it needs a program built \
 with `--features exr`.";

@@ -232,6 +232,14 @@ pub enum FormatError {
         /// The exposure.
         exposure: f64,
     },
+    /// The baked mesh breaks a promise: a defect of this program.
+    #[error("{file}: was not written: {what}: this is a defect of umbrage, please report it with the scene")]
+    BrokenMesh {
+        /// The file.
+        file: String,
+        /// Where, and what is broken.
+        what: String,
+    },
     /// There is nothing to write.
     #[error("{file}: the baked mesh has no triangles: give the scene surfaces that have an area")]
     NothingToWrite {

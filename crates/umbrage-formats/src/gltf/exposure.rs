@@ -35,9 +35,11 @@ pub(super) fn choose(scene: &Scene, baked: &BakedMesh) -> f64 {
     bright.map_or(1.0, |bright| three_digits(1.0 / bright.max(f64::MIN_POSITIVE)))
 }
 
-/// The nearest number of three digits: what is told can be given back.
+/// The greatest number of three digits that is not above one: what is told can be given back, and clips no more.
 fn three_digits(k: f64) -> f64 {
-    format!("{k:.2e}").parse().unwrap_or(k)
+    let unit = 10.0_f64.powf(k.log10().floor() - 2.0);
+    // Digits are written and read again, so that they are those of the number that is told.
+    format!("{:.2e}", unit * (k / unit).floor()).parse().unwrap_or(k)
 }
 
 /// A value and an area at each triangle's corner, over the parts that emit or those that do not.
