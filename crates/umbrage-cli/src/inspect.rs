@@ -10,6 +10,7 @@ use umbrage::scene::Scene;
 use umbrage_formats::{ReadOptions, write_atomically};
 use umbrage_inspect::{d_segments, mesh, patches};
 
+use crate::bake::refuse_baked;
 use crate::method::MethodArgs;
 use crate::output::{Output, answer};
 use crate::progress::Bar;
@@ -69,6 +70,7 @@ pub(crate) fn run(args: &InspectArgs, output: Output) -> anyhow::Result<()> {
     }
     interrupt::listen()?;
     let scene = args.reading.read(&args.scene, ReadOptions::default().max_reflectance)?;
+    refuse_baked(&args.scene, &scene)?;
     let text =
         inspect(&scene, args, form, output).with_context(|| format!("cannot inspect {}", args.scene.display()))?;
     match &args.output {

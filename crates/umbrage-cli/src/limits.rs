@@ -232,6 +232,10 @@ pub(crate) fn watch_reading(bytes: u64) -> Result<Watch, MemoryUnknown> {
     let limit = MemoryLimit::new(bytes)?;
     let is_over = Arc::new(AtomicBool::new(false));
     let seen = Arc::clone(&is_over);
+    // Where the program alone holds more, the first step tells so, with what would be needed.
+    if limit.room() < 1.0 {
+        return Ok(Watch(is_over));
+    }
     thread::spawn(move || {
         while !seen.load(Ordering::Relaxed) {
             if limit.room() < 1.0 {

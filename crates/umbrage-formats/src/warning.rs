@@ -131,6 +131,11 @@ pub enum Warning {
         /// The library that was read instead: the one that is named like the scene.
         replaced_by: Option<String>,
     },
+    /// Further material libraries that could not be read.
+    MoreLibrariesMissing {
+        /// How many.
+        libraries: usize,
+    },
     /// Polygons with colours at their corners and an image on them: the image says their colour.
     ColoursUnderImages {
         /// How many polygons.
@@ -311,6 +316,10 @@ impl fmt::Display for Warning {
                     Some(other) => write!(f, "{other:?} was read instead"),
                     None => write!(f, "put it beside the scene"),
                 }
+            }
+            Self::MoreLibrariesMissing { libraries } => {
+                let libraries = count(*libraries, "more material library|more material libraries");
+                write!(f, "{libraries} could not be read either")
             }
             Self::ColoursUnderImages { polygons } => {
                 write!(f, "colours of the corners of {} not used: an image is on them", count(*polygons, "polygon"))

@@ -38,8 +38,13 @@ const OUTSIDE: [([f64; 3], f32); 9] = [
 ];
 /// Where the eye may stand inside, as shares of the extent in plan; it looks at the middle, from the middle along the axes.
 const INSIDE: [f64; 3] = [0.15, 0.5, 0.85];
-/// How high the eye is inside, as a share of the height: that of a person in a room.
-const EYE_HEIGHT: f64 = 0.55;
+/// What a view from a corner, from beside a wall and from the middle is worth: the first shows most of a room, the last a wall.
+const INSIDE_WORTH: [f32; 3] = [1.0, 0.6, 0.35];
+/// How high the eye is inside and where it looks, as shares of the height: as a person in a room looks at what stands in it.
+const EYE_HEIGHT: f64 = 0.6;
+const LOOK_HEIGHT: f64 = 0.42;
+/// Light that is brighter than this is a window or a lamp, and counts no more: white is 1.
+const MOST_LIGHT: f32 = 0.5;
 /// The field of view inside is at least this, in degrees: rooms are close.
 const INSIDE_FOV_DEG: f64 = 60.0;
 /// An interior shows from inside at least so many times the light that is seen from outside.
@@ -77,7 +82,7 @@ pub fn default_camera(
 
 /// Cameras inside of a box.
 fn inside([low, high]: [DVec3; 2], fov_y_deg: f64) -> Vec<(Camera, f32)> {
-    let at = |x: f64, z: f64| low + DVec3::new(x, EYE_HEIGHT, z) * (high - low);
+    let at = |x: f64, height: f64, z: f64| low + DVec3::new(x, height, z) * (high - low);
     let fov_y_deg = fov_y_deg.max(INSIDE_FOV_DEG);
     let mut all = Vec::new();
     for x in INSIDE {
@@ -85,7 +90,11 @@ fn inside([low, high]: [DVec3; 2], fov_y_deg: f64) -> Vec<(Camera, f32)> {
             let is_middle = DVec2::new(x, z) == DVec2::splat(0.5);
             let ahead: &[[f64; 2]] =
                 if is_middle { &[[0.5, 0.0], [0.5, 1.0], [0.0, 0.5], [1.0, 0.5]] } else { &[[0.5, 0.5]] };
-            all.extend(ahead.iter().map(|&[to_x, to_z]| (Camera::looking(at(x, z), at(to_x, to_z), fov_y_deg), 1.0)));
+            let worth = INSIDE_WORTH[usize::from(x == 0.5) + usize::from(z == 0.5)];
+            let look = |&[to_x, to_z]: &[f64; 2]| {
+                Camera::looking(at(x, EYE_HEIGHT, z), at(to_x, LOOK_HEIGHT, to_z), fov_y_deg)
+            };
+            all.extend(ahead.iter().map(|to| (look(to), worth)));
         }
     }
     all
@@ -115,7 +124,7 @@ impl<'a> Trial<'a> {
             let count = picture.pixels().len() as f32;
             let all = picture.pixels().iter().map(|&c| luminance(c));
             let (mut sum, mut around) = (0.0, 0.0);
-            all.for_each(|seen| if seen.is_nan() { around += 1.0 } else { sum += seen.min(1.0) });
+            all.for_each(|seen| if seen.is_nan() { around += 1.0 } else { sum += seen.min(MOST_LIGHT) });
             let seen = worth * sum / count;
             // A hair more than the best so far: a symmetric scene does not turn with rounding.
             if seen > most * 1.001 + 1e-6 && around <= most_around * count {
@@ -231,14 +240,14 @@ mod tests {
         for (from, _) in OUTSIDE {
             for (width, height) in [(100.0, 100.0), (300.0, 80.0), (70.0, 240.0)] {
                 let lens = fit(bounds, from.into(), width / height, 40.0).lens(width, height).unwrap();
-                let (mut low, mut high) = (glam::DVec2::MAX, glam::DVec2::MIN);
+                let (mut low, mut high) = (DVec2::MAX, DVec2::MIN);
                 for i in 0..8 {
                     let [x, y, z] = [0, 1, 2].map(|bit| bounds[i >> bit & 1][bit]);
                     let p = lens.project(lens.view_m(DVec3::new(x, y, z)));
                     (low, high) = (low.min(p), high.max(p));
                 }
                 assert!(low.min_element() > 0.0 && high.x < width && high.y < height, "{from:?} {low} {high}");
-                let filled = (high - low) / glam::DVec2::new(width, height);
+                let filled = (high - low) / DVec2::new(width, height);
                 assert!(filled.max_element() > 0.75, "{from:?} {filled}");
             }
         }

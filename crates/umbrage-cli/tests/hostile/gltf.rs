@@ -174,7 +174,7 @@ fn lamps(rng: &mut Rng) -> Hostile {
     let values = [0.0, -1.0, 1e100, 0.5, 3.0, 1e-30];
     let mut value = || values[rng.usize(..values.len())];
     let light = |i: usize| {
-        json!({"type": ["point", "spot", "directional"][i % 3], "intensity": value(), "range": value(), "color": [1, value(), 1],
+        json!({"type": (["point", "spot", "directional"][i % 3]), "intensity": value(), "range": value(), "color": [1, value(), 1],
         "spot": {"innerConeAngle": value(), "outerConeAngle": value()}})
     };
     json["extensions"]["KHR_lights_punctual"]["lights"] = (0..count).map(light).collect();

@@ -21,8 +21,8 @@ use fastrand::Rng;
 
 /// Files where nobody asks for another number.
 const FILES: usize = 60;
-/// Processor time of one command, in seconds: ten, and two for a slow machine.
-const CPU_S: usize = 12;
+/// Processor time of one command, in seconds: ten, and two for a slow machine; more for a program that is not optimised.
+const CPU_S: usize = if cfg!(debug_assertions) { 60 } else { 12 };
 /// Memory of one command: so many times the file, so much more, and the address space of the program and its threads.
 const TIMES_FILE: u64 = 64;
 const FREE_BYTES: u64 = 256 << 20;

@@ -19,6 +19,9 @@ const NO_MATERIAL: &str = "default";
 /// What lets at least half of the light through (`d` of a half and less) blocks nothing, as glass of a glTF.
 const GLASS_OPACITY: f64 = 0.5;
 
+/// Missing libraries that have a warning of their own.
+const NAMED_LIBRARIES: usize = 4;
+
 /// Opacity below which what has an image of it is not seen: what glTF gives a mask that says nothing.
 const CUTOFF: f64 = 0.5;
 
@@ -55,13 +58,15 @@ pub(super) struct Libraries<'a> {
     materials: Vec<(std::path::PathBuf, MtlMaterial)>,
     numbers: BTreeMap<String, usize>,
     warnings: Vec<Warning>,
+    /// Libraries that are missing beside those that have a warning.
+    more_missing: usize,
 }
 
 impl<'a> Libraries<'a> {
     /// None yet, for the OBJ at `path` in `folder`.
     pub(super) fn new(path: &'a Path, folder: &'a Folder) -> Self {
         let (materials, numbers) = (Vec::new(), BTreeMap::new());
-        Self { path, folder, read: BTreeSet::new(), materials, numbers, warnings: Vec::new() }
+        Self { path, folder, read: BTreeSet::new(), materials, numbers, warnings: Vec::new(), more_missing: 0 }
     }
 
     /// Reads what an `mtllib` statement names: one file, whose name may have spaces, else several.
@@ -112,7 +117,9 @@ impl<'a> Libraries<'a> {
         let library = crate::text::shortened(name);
         let replaced_by = instead.as_ref().map(|(path, _)| path.display().to_string());
         let warning = Warning::MaterialLibraryMissing { library, why, replaced_by };
-        if !self.warnings.contains(&warning) {
+        if self.warnings.len() >= NAMED_LIBRARIES {
+            self.more_missing += 1;
+        } else if !self.warnings.contains(&warning) {
             self.warnings.push(warning);
         }
         instead.map_or(Ok(()), |file| self.parse(file, builder, unknown))
@@ -143,6 +150,9 @@ impl Materials {
     /// The materials of the libraries, in their order.
     pub(super) fn new(libraries: Libraries<'_>, builder: &mut SceneBuilder) -> Self {
         let mut materials = Self { warnings: libraries.warnings, ..Self::default() };
+        if libraries.more_missing > 0 {
+            materials.warnings.push(Warning::MoreLibrariesMissing { libraries: libraries.more_missing });
+        }
         for (folder, mut material) in libraries.materials {
             if material.opacity <= 0.0 {
                 materials.by_name.insert(material.name, Use::Transparent);

@@ -125,8 +125,9 @@ pub enum SceneError {
     /// No polygon emits light, and there is no lamp.
     #[error(
         "nothing emits light: give a material an emissive colour in the file (glTF: emissiveFactor, OBJ: Ke, MGF: ed), \
-         with --emit MATERIAL=r,g,b, or with a TOML beside the scene (SCENE.umbrage.toml or --materials FILE), which may also have lamps; its \
-         materials are {known}"
+         with --emit MATERIAL=r,g,b, or with a TOML beside the scene (SCENE.umbrage.toml or --materials FILE), which may also have lamps. Blender \
+         exports its lamps only with Data > Lighting > Punctual Lights ticked; area lamps and the world are not in a glTF at all: give a \
+         surface emission instead. Materials of the scene are {known}"
     )]
     Lightless {
         /// The names of its materials, the first few.
