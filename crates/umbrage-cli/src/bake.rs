@@ -108,7 +108,7 @@ pub(crate) struct BakeArgs {
     output: PathBuf,
     /// Colours are K times E/pi, the light of a white surface in W/(m2 sr), cut off at white: a greater K is brighter
     /// [default: so that little of the scene is cut off]
-    #[arg(long, value_name = "K", value_parser = positive)]
+    #[arg(long, value_name = "K", value_parser = positive, allow_negative_numbers = true)]
     exposure: Option<f64>,
     /// Take no surface to reflect more than this share of the light: a white closed room has no solution
     #[arg(long, value_name = "R", value_parser = share, default_value_t = 0.9)]

@@ -2,7 +2,7 @@
 //!
 //! Idea: of some candidates, the one that shows most of the scene's light. From outside these are four views from three quarters above, four
 //! along the horizontal axes and the plan; each is moved back until all vertices just fit, and drawn small. What counts is
-//! the mean luminance of the small picture, with triangles seen from behind drawn black: a box that is open on one side
+//! the mean luminance of what is drawn in the small picture, with triangles seen from behind drawn black: a box that is open on one side
 //! then is seen through that side, while looking in through a wall that is only invisible from behind counts for
 //! nothing. Three quarters above wins where others are not much better.
 //!
@@ -26,10 +26,10 @@ const MARGIN: f64 = 1.03;
 /// Where the eye may stand outside, as seen from the middle of the scene, and how much a view from there is worth: plans and elevations
 /// show much light, but are seldom what one wants to see.
 const OUTSIDE: [([f64; 3], f32); 9] = [
-    ([1.0, 0.9, 1.2], 1.0),
-    ([-1.0, 0.9, 1.2], 1.0),
-    ([1.0, 0.9, -1.2], 1.0),
-    ([-1.0, 0.9, -1.2], 1.0),
+    ([1.0, 1.0, 1.2], 1.0),
+    ([-1.0, 1.0, 1.2], 1.0),
+    ([1.0, 1.0, -1.2], 1.0),
+    ([-1.0, 1.0, -1.2], 1.0),
     ([0.0, 0.0, 1.0], 0.8),
     ([0.0, 0.0, -1.0], 0.8),
     ([1.0, 0.0, 0.0], 0.8),
@@ -43,6 +43,8 @@ const INSIDE_WORTH: [f32; 3] = [1.0, 0.6, 0.35];
 /// How high the eye is inside and where it looks, as shares of the height: as a person in a room looks at what stands in it.
 const EYE_HEIGHT: f64 = 0.6;
 const LOOK_HEIGHT: f64 = 0.42;
+/// A scene whose least extent is less than this share of its greatest has no inside.
+const FLAT: f64 = 0.01;
 /// Light that is brighter than this is a window or a lamp, and counts no more: white is 1.
 const MOST_LIGHT: f32 = 0.5;
 /// The field of view inside is at least this, in degrees: rooms are close.
@@ -69,19 +71,23 @@ pub fn default_camera(
         .map(|(from, worth)| (fit_vertices(meshes, bounds, DVec3::from(*from), aspect, fov_y_deg), *worth))
         .collect();
     let trial = Trial::new(meshes, aspect);
-    let (seen_outside, from_outside) = trial.best(&outside, Backs::Black, 1.0)?;
-    let (seen_inside, from_inside) = trial.best(&inside(bounds, fov_y_deg), Backs::Black, MOST_AROUND)?;
-    if seen_inside > INTERIOR * seen_outside {
-        return Ok(Some(from_inside));
-    }
-    if seen_outside > 0.0 {
-        return Ok(Some(from_outside));
-    }
-    Ok(Some(trial.best(&outside, Backs::Hidden, 1.0)?.1))
+    let from_outside = trial.best(&outside, Backs::Black, 1.0)?;
+    let seen_outside = from_outside.map_or(0.0, |(seen, _)| seen);
+    let from_inside = trial.best(&inside(bounds, fov_y_deg), Backs::Black, MOST_AROUND)?;
+    let from_inside = from_inside.filter(|(seen, _)| *seen > INTERIOR * seen_outside);
+    let found = match from_inside.or(from_outside) {
+        None => trial.best(&outside, Backs::Hidden, 1.0)?,
+        found => found,
+    };
+    Ok(found.map(|(_, camera)| camera).or(outside.first().map(|(camera, _)| *camera)))
 }
 
-/// Cameras inside of a box.
+/// Cameras inside of a box; none in one that is flat.
 fn inside([low, high]: [DVec3; 2], fov_y_deg: f64) -> Vec<(Camera, f32)> {
+    let size = high - low;
+    if size.min_element() < FLAT * size.max_element() {
+        return Vec::new();
+    }
     let at = |x: f64, height: f64, z: f64| low + DVec3::new(x, height, z) * (high - low);
     let fov_y_deg = fov_y_deg.max(INSIDE_FOV_DEG);
     let mut all = Vec::new();
@@ -115,23 +121,28 @@ impl<'a> Trial<'a> {
         Self { meshes, settings }
     }
 
-    /// The camera that shows most light, of those that leave at most a share of the picture to what is around; 0 and the first if none
-    /// shows any.
-    fn best(&self, cameras: &[(Camera, f32)], backs: Backs, most_around: f32) -> Result<(f32, Camera), RenderError> {
-        let (mut most, mut best) = (0.0, cameras[0].0);
+    /// The camera that shows most light, and how much, of those that leave at most a share of the picture to what is around.
+    fn best(
+        &self,
+        cameras: &[(Camera, f32)],
+        backs: Backs,
+        most_around: f32,
+    ) -> Result<Option<(f32, Camera)>, RenderError> {
+        let mut best: Option<(f32, Camera)> = None;
         for (camera, worth) in cameras {
             let picture = render_with_backs(self.meshes, &[], camera, &self.settings, backs)?;
             let count = picture.pixels().len() as f32;
             let all = picture.pixels().iter().map(|&c| luminance(c));
             let (mut sum, mut around) = (0.0, 0.0);
             all.for_each(|seen| if seen.is_nan() { around += 1.0 } else { sum += seen.min(MOST_LIGHT) });
-            let seen = worth * sum / count;
+            let seen = worth * sum / f32::max(count - around, 1.0);
             // A hair more than the best so far: a symmetric scene does not turn with rounding.
+            let most = best.map_or(0.0, |(most, _)| most);
             if seen > most * 1.001 + 1e-6 && around <= most_around * count {
-                (most, best) = (seen, *camera);
+                best = Some((seen, *camera));
             }
         }
-        Ok((most, best))
+        Ok(best)
     }
 }
 
@@ -229,7 +240,7 @@ mod tests {
         let places = mesh.positions_m.iter().map(|&p| lens.project(lens.view_m(DVec3::from(p))));
         let (low, high) = places.fold((DVec2::MAX, DVec2::MIN), |(low, high), p| (low.min(p), high.max(p)));
         assert!(
-            low.min_element() >= 0.0 && high.max_element() <= 100.0 && (high - low).max_element() > 90.0,
+            low.min_element() >= 0.0 && high.max_element() <= 100.0 && (high - low).max_element() > 80.0,
             "{low} {high}"
         );
     }

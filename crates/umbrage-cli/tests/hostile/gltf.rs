@@ -188,7 +188,7 @@ fn instances(rng: &mut Rng) -> Hostile {
     let mut json = base();
     let count = rng.usize(10_000..100_000);
     let mut bytes = bin();
-    bytes.extend((0..count).flat_map(|i| [i as f32, 0.0, 0.0]).flat_map(f32::to_le_bytes));
+    bytes.extend((0..count).flat_map(|i| [(i % 300) as f32, (i / 300) as f32, 0.0]).flat_map(f32::to_le_bytes));
     json["bufferViews"].as_array_mut().unwrap().push(json!({"buffer": 0, "byteOffset": 108, "byteLength": 12 * count}));
     json["accessors"]
         .as_array_mut()
