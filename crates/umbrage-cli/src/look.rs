@@ -15,6 +15,9 @@ pub struct LookArgs {
     /// told]
     #[arg(long, value_name = "K", value_parser = positive, allow_negative_numbers = true)]
     exposure: Option<f64>,
+    /// Make the picture this many times brighter than the file was baked to be
+    #[arg(long, value_name = "TIMES", value_parser = positive, conflicts_with = "exposure", default_value_t = 1.0)]
+    brighter: f64,
     /// What becomes of light that is too bright for a screen
     #[arg(long, value_name = "TONE", default_value = "off")]
     tone: ToneArg,
@@ -23,7 +26,7 @@ pub struct LookArgs {
     light_only: bool,
     /// Draw the irradiance in false colours, with a legend, in this unit [default without UNIT: w]
     #[arg(long, value_name = "UNIT", num_args = 0..=1, default_missing_value = "w",
-        conflicts_with_all = ["light_only", "exposure", "tone"])]
+        conflicts_with_all = ["light_only", "exposure", "brighter", "tone"])]
     pub false_color: Option<Unit>,
     /// Where the scale of --false-color ends, in its unit [default: a round number above nearly all of the scene]
     #[arg(long, value_name = "E", value_parser = positive, requires = "false_color")]
@@ -52,7 +55,7 @@ pub enum Unit {
 impl LookArgs {
     /// How many times brighter a file is shown than it was baked to be.
     pub fn brighter(&self, file: &BakedFile) -> f64 {
-        self.exposure.map_or(1.0, |k| k / file.exposure_k)
+        self.exposure.map_or(self.brighter, |k| k / file.exposure_k)
     }
 
     /// The tone curve.

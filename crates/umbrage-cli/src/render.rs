@@ -31,7 +31,7 @@ Examples:
   umbrage render --side-by-side coarse.glb fine.glb --difference -o compared.png
 
 Without --eye the first camera of the file is used; without one, the camera stands inside where the scene is an interior, \
-else outside, above, where most of the light can be seen. --exposure is that of `umbrage bake`, whose summary tells the one it chose. Surfaces are seen from their front only.
+else outside, above, where most of the light can be seen. --exposure is that of `umbrage bake`, whose summary tells the one it chose; --brighter is relative to that. Surfaces are seen from their front only.
 
 A .png shows what a screen can show. A .exr holds the light itself, linear and not cut off; it needs a program built \
 with `--features exr`.";
