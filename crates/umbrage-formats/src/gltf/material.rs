@@ -119,6 +119,9 @@ pub(super) struct Shown {
     pub(super) alpha: Alpha,
 }
 
+/// A material of the file on a primitive, as bits: its number, what it reflects and emits, the image on it, its alpha where it is blended.
+type Outcome = (usize, [u64; 6], Option<usize>, Option<u64>);
+
 /// The materials of the file, and those of the scene that they have become.
 #[derive(Debug)]
 pub(super) struct Materials {
@@ -126,7 +129,7 @@ pub(super) struct Materials {
     /// Those of the scene, the file's first.
     pub(super) all: Table<MaterialId, Material>,
     /// By the file's number and the bits of what is different.
-    known: BTreeMap<(usize, [u64; 6], Option<usize>, Option<u64>), MaterialId>,
+    known: BTreeMap<Outcome, MaterialId>,
     /// The material of the scene that each of the file's becomes first, until it has.
     free: Vec<Option<MaterialId>>,
     /// Whether each of the file's reflects more than the cap somewhere.
