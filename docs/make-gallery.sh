@@ -23,11 +23,11 @@ box=(--width 480 --height 480)
 "$umbrage" render "$work/cornell.glb" -o "$pictures/gallery-cornell-lux.png" "${box[@]}" --false-color lx
 
 room=(--width 640 --height 480 --eye 4.2,1.75,3.85 --target 2.6,0.85,0.6 --fov 62)
-"$umbrage" render "$work/room.glb" -o "$pictures/gallery-room.png" "${room[@]}" --exposure 1.5 --tone filmic
-"$umbrage" render "$work/room.glb" -o "$pictures/gallery-room-mesh.png" "${room[@]}" --exposure 1.5 --tone filmic --wireframe
+"$umbrage" render "$work/room.glb" -o "$pictures/gallery-room.png" "${room[@]}" --brighter 1.5 --tone filmic
+"$umbrage" render "$work/room.glb" -o "$pictures/gallery-room-mesh.png" "${room[@]}" --brighter 1.5 --tone filmic --wireframe
 "$umbrage" render "$work/room.glb" -o "$pictures/gallery-room-lux.png" "${room[@]}" --false-color lx
 
-home=(--width 640 --height 480 --eye 9.5,14.5,12.5 --target 0.3,0,0.5 --fov 44 --exposure 2 --tone filmic)
+home=(--width 640 --height 480 --eye 9.5,14.5,12.5 --target 0.3,0,0.5 --fov 44 --brighter 2 --tone filmic)
 above=(--width 480 --height 480 --eye 0.01,29,1 --target 0,0,0.8 --fov 45)
 "$umbrage" render "$work/home.glb" -o "$pictures/gallery-home.png" "${home[@]}"
 "$umbrage" render "$work/home.glb" -o "$pictures/gallery-home-mesh.png" "${home[@]}" --wireframe

@@ -27,8 +27,8 @@ export const SCENES = [
 /** Ways to show a scene: name, what the page's address says, and the options of `umbrage render`. */
 export const LOOKS = [
   ["plain", "", []],
-  ["bright", "&exposure=2.5", ["--exposure", "2.5"]],
-  ["filmic", "&exposure=3&tone=filmic", ["--exposure", "3", "--tone", "filmic"]],
+  ["bright", "&exposure=2.5", ["--brighter", "2.5"]],
+  ["filmic", "&exposure=3&tone=filmic", ["--brighter", "3", "--tone", "filmic"]],
   ["light", "&show=light", ["--light-only"]],
   ["false", "&show=irradiance&end=2000&unit=lx", ["--false-color", "lx", "--scale-end", "2000"]],
 ];

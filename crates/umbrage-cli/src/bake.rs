@@ -14,9 +14,10 @@ use umbrage_formats::{Written, choose_nodes, write_baked_glb};
 
 use crate::interrupt::{Interrupted, Kept};
 use crate::light::Fluxes;
-use crate::limits::{Limits, memory_limit, time_limit};
+use crate::limits::{Limits, memory_limit, time_limit, watch_reading};
 use crate::method::{MethodArgs, facts, positive, share};
 use crate::output::Output;
+use crate::replace::{self, Made};
 use crate::report::{Asked, Reported, ReportedWarning};
 use crate::reuse::Reuse;
 use crate::scene_file::SceneArgs;
@@ -51,9 +52,23 @@ Where the file has none, --emit gives it, or a TOML beside the scene (for room.g
   direction = [-1, -3, -2]
   irradiance = [3, 2.9, 2.7]
 
-  [[lamps]]                   # a bulb: where it is, in metres with Y up, and W/sr; with a direction it is a spot
+  [[lamps]]                   # a bulb: where it is, in metres with Y up, and W/sr
+  name = \"over the table\"     # optional, for messages
   position = [0, 2.2, 0]
   intensity = 8
+
+  [[lamps]]                   # a spot: a bulb with a direction
+  position = [0, 2.2, 0]
+  direction = [0, -1, 0]
+  intensity = [8, 7, 6]
+  inner_degrees = 20          # from the axis; inside of it the intensity is full [default: 0]
+  outer_degrees = 30          # outside of it it is dark, 90 at most [default: 45]
+
+  [nodes.sky]                 # all that hangs below a node, or shows a mesh, of this name
+  casts_shadow = false        # light passes through it, it lights nothing; materials have this key too
+  emission = 2                # as of a material, for what hangs below this node alone
+
+lamp_unit = \"file\" above the tables says that positions of [[lamps]] are in the unit that --unit names, and not in metres.
 
 --max-triangles N is never passed: with few triangles refinement goes where the error is greatest, and along the strongest \
 edges of shadows first. Of hard shadows the weakest and shortest edges stay uncut where there is no room for them, which a \
@@ -89,12 +104,12 @@ Units are metres and W/m2; a surface is lit on its front, unless its material is
 pub(crate) struct BakeArgs {
     /// The scene: glTF 2.0 (.glb or .gltf), OBJ, MGF, PLY or STL
     scene: PathBuf,
-    /// The baked file to write (.glb); replaced if it exists
+    /// The baked file to write (.glb); a baked file of that name is replaced, another one with --force alone
     #[arg(short, long, value_name = "OUT.glb")]
     output: PathBuf,
     /// Colours are K times E/pi, the light of a white surface in W/(m2 sr), cut off at white: a greater K is brighter
     /// [default: so that little of the scene is cut off]
-    #[arg(long, value_name = "K", value_parser = positive)]
+    #[arg(long, value_name = "K", value_parser = positive, allow_negative_numbers = true)]
     exposure: Option<f64>,
     /// Take no surface to reflect more than this share of the light: a white closed room has no solution
     #[arg(long, value_name = "R", value_parser = share, default_value_t = 0.9)]
@@ -120,7 +135,11 @@ pub(crate) struct BakeArgs {
     /// time. Where there is no such file, or surfaces or options are others, bake as if there were none, and write it
     #[arg(long, value_name = "FILE", conflicts_with_all = ["time_limit", "memory_limit", "progressive"])]
     reuse: Option<PathBuf>,
-    /// Write what the summary says as JSON, with settings, times and warnings; replaced if it exists
+    /// Fail, with exit code 3, where a warning says that a figure of the result cannot be true or that the light of a lamp is lost; the file is
+    /// written all the same
+    #[arg(long)]
+    strict: bool,
+    /// Write what the summary says as JSON, with settings, times and warnings; replaced if it is a report
     #[arg(long, value_name = "FILE.json")]
     report: Option<PathBuf>,
     #[command(flatten)]
@@ -134,6 +153,7 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     check_folder(&args.output)?;
     check_is_not_the_scene(&args.scene, &args.output)?;
     check_is_glb(&args.output)?;
+    replace::check(&args.output, Made::Glb, output.force)?;
     if let Some(reuse) = &args.reuse {
         check_folder(reuse)?;
         anyhow::ensure!(
@@ -146,12 +166,16 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
         let materials = args.reading.materials_path(&args.scene);
         let others = [&args.scene, &args.output, &materials].into_iter().chain(&args.reuse);
         report::check(report, &others.map(PathBuf::as_path).collect::<Vec<_>>())?;
+        replace::check(report, Made::Report, output.force)?;
     }
     let begin = Instant::now();
+    let watch = args.memory_limit.map(|limit| watch_reading(limit.as_u64())).transpose()?;
     let (mut scene, read) = args.reading.read_and_warn(&args.scene, args.max_reflectance)?;
     let mut warnings: Vec<ReportedWarning> = read.iter().map(ReportedWarning::of_scene).collect();
     choose_nodes(&mut scene, &args.only, &args.skip)?;
+    refuse_baked(&args.scene, &scene)?;
     let scene = Arc::new(scene);
+    drop(watch);
     let limits = Arc::new(Limits::new(begin, args.time_limit, args.memory_limit)?);
     let wishes = Wishes { early: args.progressive, limits: Arc::clone(&limits) };
     let write = |step: &Step| write(&scene, step, args.exposure, &args.output);
@@ -191,15 +215,24 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
     if let Some(guessed) = summary::guessed(&step.bake.report.prepare) {
         warnings.push(ReportedWarning::of_scene(&guessed).told(&args.scene));
     }
+    let fluxes = Fluxes::new(&scene);
+    let before_result = warnings.len();
     warnings.extend(warn_of(&step.bake.report, &args.output));
-    for defect in summary::lamp_defects(&step.bake.report) {
-        warnings.push(ReportedWarning::of_lamp(&defect).told(&args.scene));
+    let defects = summary::lamp_defects(&step.bake.report, fluxes.units());
+    for defect in defects.iter().take(NAMED_LAMPS) {
+        warnings.push(ReportedWarning::of_lamp(defect).told(&args.scene));
+    }
+    if let Some(more) = defects.len().checked_sub(NAMED_LAMPS).filter(|more| *more > 0) {
+        let text = format!("{} likewise: --report names them", summary::count(more, "more lamp"));
+        ReportedWarning::of_lamp(&text).told(&args.scene);
+        warnings.extend(defects.iter().skip(NAMED_LAMPS).map(|defect| ReportedWarning::of_lamp(defect)));
     }
     let as_large = || {
         let is_coarser = asked.shade.tolerance > BakeSettings::default().shade.tolerance;
         (is_coarser && !args.method.has_tolerance())
             .then(|| "for so many polygons; --tolerance asks for less".to_owned())
     };
+    let doubtful = warnings.len() - before_result;
     let coarser = why_coarser.or_else(as_large).map(|why| format!("{}: {why}", step.settings.shade.tolerance));
     if step.bake.report.uncut > 0 {
         let edges = summary::count(step.bake.report.uncut, "edge of hard shadows was|edges of hard shadows were");
@@ -209,7 +242,7 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
         warnings.push(ReportedWarning::of_limits(text).told(&args.output));
     }
     let elapsed = begin.elapsed();
-    let summary = summary::summary(&step.bake.report, &Fluxes::new(&scene), &written, elapsed, coarser, warnings.len());
+    let summary = summary::summary(&step.bake.report, &fluxes, &written, elapsed, coarser, warnings.len());
     output.say(&format!("{summary}Wrote {} ({})", args.output.display(), summary::bytes(written.bytes)))?;
     if let Some(path) = &args.report {
         let asked =
@@ -228,8 +261,17 @@ pub(crate) fn run(args: &BakeArgs, output: Output) -> anyhow::Result<()> {
         let bytes = report::write(path, &reported)?;
         output.say(&format!("Wrote {} ({})", path.display(), summary::bytes(bytes)))?;
     }
-    reuse.map_or(Ok(()), |reuse| reuse.finish(output))
+    reuse.map_or(Ok(()), |reuse| reuse.finish(output))?;
+    if args.strict && doubtful > 0 { Err(NotTrue(doubtful).into()) } else { Ok(()) }
 }
+
+/// Lamps whose defects are told; the report has all of them.
+const NAMED_LAMPS: usize = 8;
+
+/// Figures of a result cannot be true, and `--strict` says that this is a failure.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+#[error("--strict: {0} of the warnings above are about the result, which was written all the same")]
+pub(crate) struct NotTrue(usize);
 
 /// Prints the warnings about a result that is in `file`.
 pub(crate) fn warn_of(report: &Report, file: &Path) -> Vec<ReportedWarning> {
@@ -260,6 +302,19 @@ fn check_folder(output: &Path) -> anyhow::Result<()> {
         "{}: cannot be written: there is no folder {}",
         output.display(),
         folder.display()
+    );
+    Ok(())
+}
+
+/// Fails where a scene is a baked file: its materials give no light, and it holds the light of before as if it were paint.
+pub(crate) fn refuse_baked(path: &Path, scene: &Scene) -> anyhow::Result<()> {
+    let extras =
+        scene.asset_extras.as_deref().and_then(|extras| serde_json::from_str::<serde_json::Value>(extras).ok());
+    let is_baked = extras.is_some_and(|extras| extras["umbrage"]["exposure"].is_number());
+    anyhow::ensure!(
+        !is_baked,
+        "{}: is a baked file and no scene: bake the scene that it was made of; `umbrage render`, `page` and `view` show it",
+        path.display()
     );
     Ok(())
 }

@@ -14,6 +14,7 @@ use umbrage_picture::{Camera, RenderSettings};
 use crate::bake::{bake_scene, warn_of, write};
 use crate::light::Fluxes;
 use crate::output::Output;
+use crate::replace::{self, Made};
 use crate::shown::{Colors, Shown, default_camera};
 use crate::{interrupt, summary};
 
@@ -32,6 +33,8 @@ pub(crate) fn run(args: &DemoArgs, output: Output) -> anyhow::Result<()> {
         .with_context(|| format!("cannot make the folder {}: choose another --out-dir", args.out_dir.display()))?;
     let [glb, png] = ["cornell.glb", "cornell.png"].map(|name| args.out_dir.join(name));
 
+    replace::check(&glb, Made::Glb, output.force)?;
+    replace::check(&png, Made::Picture, output.force)?;
     let scene = Arc::new(cornell_box());
     let step = bake_scene(&scene, &BakeSettings::default(), output).context("cannot bake the Cornell box")?;
     let written = write(&scene, &step, None, &glb)?;

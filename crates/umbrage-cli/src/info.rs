@@ -8,7 +8,9 @@ use glam::DVec3;
 use umbrage::id::{MaterialId, SurfaceId};
 use umbrage::prepare::{self, Prepared};
 use umbrage::progress::Progress;
-use umbrage::scene::{Rgb, Scene, SceneError};
+use umbrage::scene::{Scene, SceneError};
+
+use umbrage_formats::shortened;
 
 use crate::light;
 use crate::output::{Output, answer, warning};
@@ -78,6 +80,9 @@ fn likely_unit(unit: Unit, [low, high]: [DVec3; 2]) -> Option<(Unit, f64)> {
     Some((likely, height))
 }
 
+/// Materials that are listed: the others are counted.
+const LISTED_MATERIALS: usize = 1000;
+
 /// One line of a description.
 fn line(text: &mut String, name: &str, value: &str) {
     // Writing to a string cannot fail.
@@ -103,7 +108,8 @@ fn describe(scene: &Scene, unit: Unit) -> String {
     let mut text = String::new();
     let mut line = |name: &str, value: String| line(&mut text, name, &value);
     let materials: Vec<(MaterialId, f64)> =
-        (0..scene.materials.len()).map(MaterialId::from).map(|id| (id, light::area_m2(scene, id))).collect();
+        light::areas_m2(scene).iter_enumerated().map(|(id, &area_m2)| (id, area_m2)).collect();
+    let units = light::Units::of(scene.photometric);
     line("scene", scene.name.clone());
     line("nodes", grouped(scene.nodes.len()));
     line("surfaces", grouped(scene.surfaces.len()));
@@ -120,31 +126,42 @@ fn describe(scene: &Scene, unit: Unit) -> String {
         }
     }
     line("materials", grouped(materials.len()));
-    for &(id, area) in &materials {
+    for &(id, area) in materials.iter().take(LISTED_MATERIALS) {
         let material = &scene.materials[id];
         let sides = if material.double_sided { ", double-sided" } else { "" };
         let light = if material.emits() {
-            format!(", gives light: radiance {} W/(m2 sr)", rgb(material.radiance))
+            format!(", gives light: radiance {} {}", rgb(material.radiance), units.radiance)
         } else {
             String::new()
         };
         line(
             "",
-            format!("{:?}: {} m2, reflects {}{sides}{light}", material.name, rounded(area), rgb(material.reflectance)),
+            format!(
+                "{:?}: {} m2, reflects {}{sides}{light}",
+                shortened(&material.name),
+                rounded(area),
+                rgb(material.reflectance)
+            ),
         );
+    }
+    if let Some(more) = materials.len().checked_sub(LISTED_MATERIALS).filter(|more| *more > 0) {
+        line("", format!("and {} more", grouped(more)));
     }
     let lights: Vec<(MaterialId, f64)> =
         materials.into_iter().filter(|&(id, area)| scene.materials[id].emits() && area > 0.0).collect();
-    line("emitters", if lights.is_empty() { "none".into() } else { "flux of each in W (red, green, blue)".into() });
+    line(
+        "emitters",
+        if lights.is_empty() { "none".into() } else { format!("flux of each in {} (red, green, blue)", units.flux) },
+    );
     for (id, area) in lights {
-        line("", format!("{:?}: {}", scene.materials[id].name, rgb(light::flux_w(scene, id, area))));
+        line("", format!("{:?}: {}", shortened(&scene.materials[id].name), rgb(light::flux_w(scene, id, area))));
     }
     if !scene.lamps.is_empty() {
-        line("lamps", "flux of each in W (red, green, blue)".into());
-        scene.lamps.iter().for_each(|lamp| line("", light::describe_lamp(lamp)));
+        line("lamps", format!("flux of each in {} (red, green, blue)", units.flux));
+        scene.lamps.iter().for_each(|lamp| line("", light::describe_lamp(lamp, units)));
     }
     let fluxes = light::Fluxes::new(scene);
-    if fluxes.surfaces_w != Rgb::ZERO || fluxes.lamps_w != Rgb::ZERO {
+    if fluxes.is_any() {
         line("", format!("total: {}", fluxes.describe()));
     }
     text
@@ -160,7 +177,7 @@ mod tests {
     fn the_cornell_box_is_described() {
         let text = describe(&cornell_box(), Unit::M);
         // 0.13 x 0.105 m of light; pi x 18.387 x 0.01365 = 0.7885 W of red.
-        for expected in ["polygons    20", "total: 0.7885 0.5998 0.2896", "0.01365 m2", "0.556 x 0.5488 x 0.5592 m"] {
+        for expected in ["polygons    20", "total: 0.7885 0.5998 0.2896 W", "0.01365 m2", "0.556 x 0.5488 x 0.5592 m"] {
             assert!(text.contains(expected), "{expected} is not in\n{text}");
         }
     }

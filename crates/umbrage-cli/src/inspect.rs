@@ -10,9 +10,11 @@ use umbrage::scene::Scene;
 use umbrage_formats::{ReadOptions, write_atomically};
 use umbrage_inspect::{d_segments, mesh, patches};
 
+use crate::bake::refuse_baked;
 use crate::method::MethodArgs;
 use crate::output::{Output, answer};
 use crate::progress::Bar;
+use crate::replace::{self, Made};
 use crate::scene_file::SceneArgs;
 use crate::{interrupt, summary};
 
@@ -63,8 +65,12 @@ enum Form {
 
 pub(crate) fn run(args: &InspectArgs, output: Output) -> anyhow::Result<()> {
     let form = form_of(args)?;
+    if let Some(path) = &args.output {
+        replace::check(path, Made::Inspection, output.force)?;
+    }
     interrupt::listen()?;
     let scene = args.reading.read(&args.scene, ReadOptions::default().max_reflectance)?;
+    refuse_baked(&args.scene, &scene)?;
     let text =
         inspect(&scene, args, form, output).with_context(|| format!("cannot inspect {}", args.scene.display()))?;
     match &args.output {

@@ -1,4 +1,5 @@
-//! Ctrl-C: the first one asks a bake to stop, the second one ends the process at once.
+//! Ctrl-C, and the signals that ask a process to end (SIGTERM, SIGHUP): the first one asks a bake to stop, the second one ends the process at
+//! once.
 //!
 //! Holds: the signal handler only sets a flag, which the progress callback reads, and whoever waits for a bake;
 //! commands that report no progress keep the system's behaviour.

@@ -10,13 +10,17 @@
 //! between two looks is missed. A counting allocator would count less, and would cost every bake, also one without a
 //! limit. A look costs 10 us, and there is one in 10 ms, and none where there is no limit.
 
+use std::process;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use bytesize::ByteSize;
 
+use crate::exit_code::ExitCode;
 use crate::method::positive;
-use crate::{memory, summary};
+use crate::{memory, output, summary};
 
 /// Of a limit of time, so much is left for writing the file, and this share.
 const WRITING: Duration = Duration::from_millis(100);
@@ -28,6 +32,8 @@ const SPARE_BYTES: u64 = 8 << 20;
 const SPARE_SHARE: f64 = 0.125;
 /// How often memory is looked at.
 const LOOK_EVERY_MS: u64 = 10;
+/// How often it is looked at while a scene is read, and nothing reports progress.
+const WATCH_EVERY: Duration = Duration::from_millis(2);
 
 /// Which limit ended the steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,6 +115,11 @@ impl Limits {
     /// Whether time is over.
     pub(crate) fn is_time_over(&self) -> bool {
         self.until.is_some_and(|until| Instant::now() >= until)
+    }
+
+    /// Whether the process holds more memory than it may, while stages run that report no progress.
+    pub(crate) fn is_memory_over(&self) -> bool {
+        self.memory.as_ref().is_some_and(MemoryLimit::look)
     }
 
     /// Whether so much of a limit is used up that a sketch, which is to be there early, must come to its end.
@@ -213,6 +224,44 @@ impl MemoryLimit {
         }
         self.step_bytes as f64 / held as f64
     }
+}
+
+/// Ends when it is dropped.
+#[derive(Debug)]
+pub(crate) struct Watch(Arc<AtomicBool>);
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Looks, while a scene is read, whether the process holds more than it may, and then ends it: nothing has been written yet.
+///
+/// # Errors
+/// [`MemoryUnknown`] where memory is limited that cannot be told.
+pub(crate) fn watch_reading(bytes: u64) -> Result<Watch, MemoryUnknown> {
+    let limit = MemoryLimit::new(bytes)?;
+    let is_over = Arc::new(AtomicBool::new(false));
+    let seen = Arc::clone(&is_over);
+    // Where the program alone holds more, the first step tells so, with what would be needed.
+    if limit.room() < 1.0 {
+        return Ok(Watch(is_over));
+    }
+    thread::spawn(move || {
+        while !seen.load(Ordering::Relaxed) {
+            if limit.room() < 1.0 {
+                let limit = summary::bytes(limit.bytes);
+                output::error(&format!(
+                    "the memory limit of {limit}, of which an eighth and 8 MiB stay free, was reached while the scene was read. Nothing \
+                     was written. Give it more memory, or smaller pictures"
+                ));
+                process::exit(ExitCode::Failed.into());
+            }
+            thread::sleep(WATCH_EVERY);
+        }
+    });
+    Ok(Watch(is_over))
 }
 
 /// When a bake must end, so that its file is there within the limit; `None` where it never comes.

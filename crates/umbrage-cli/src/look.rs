@@ -11,9 +11,13 @@ use crate::shown::Colors;
 #[derive(Clone, Copy, Debug, Args)]
 #[command(next_help_heading = "Light")]
 pub struct LookArgs {
-    /// Make the picture this many times brighter
-    #[arg(long, value_name = "K", value_parser = positive, default_value_t = 1.0)]
-    pub exposure: f64,
+    /// Colours are K times E/pi, as for `umbrage bake --exposure`: a greater K is brighter [default: that of the file, which its bake
+    /// told]
+    #[arg(long, value_name = "K", value_parser = positive, allow_negative_numbers = true)]
+    exposure: Option<f64>,
+    /// Make the picture this many times brighter than the file was baked to be
+    #[arg(long, value_name = "TIMES", value_parser = positive, conflicts_with = "exposure", default_value_t = 1.0)]
+    brighter: f64,
     /// What becomes of light that is too bright for a screen
     #[arg(long, value_name = "TONE", default_value = "off")]
     tone: ToneArg,
@@ -22,7 +26,7 @@ pub struct LookArgs {
     light_only: bool,
     /// Draw the irradiance in false colours, with a legend, in this unit [default without UNIT: w]
     #[arg(long, value_name = "UNIT", num_args = 0..=1, default_missing_value = "w",
-        conflicts_with_all = ["light_only", "exposure", "tone"])]
+        conflicts_with_all = ["light_only", "exposure", "brighter", "tone"])]
     pub false_color: Option<Unit>,
     /// Where the scale of --false-color ends, in its unit [default: a round number above nearly all of the scene]
     #[arg(long, value_name = "E", value_parser = positive, requires = "false_color")]
@@ -40,15 +44,20 @@ enum ToneArg {
 /// Units of irradiance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Unit {
-    /// W/m2, as in the file
+    /// W/m2, as in the file; lx where the file is photometric
     W,
-    /// lx, at 683 lm per W: for scenes whose light is in watts
+    /// lx: at 683 lm per W where the file is in watts, as it is where the file is photometric
     Lx,
-    /// lx, as in the file: for scenes whose light is photometric already, as in MGF
+    /// lx, as in the file: for photometric files that do not say that they are
     Photometric,
 }
 
 impl LookArgs {
+    /// How many times brighter a file is shown than it was baked to be.
+    pub fn brighter(&self, file: &BakedFile) -> f64 {
+        self.exposure.map_or(self.brighter, |k| k / file.exposure_k)
+    }
+
     /// The tone curve.
     pub fn tone(&self) -> Tone {
         match self.tone {
@@ -68,6 +77,11 @@ impl LookArgs {
 }
 
 impl Unit {
+    /// This unit where a file's irradiance is in watts; as the file has it where that is in lux.
+    pub fn in_file(self, file: &BakedFile) -> Self {
+        if file.photometric { Self::Photometric } else { self }
+    }
+
     /// What it is called in a legend.
     pub fn name(self) -> &'static str {
         if self == Self::W { "W/m2" } else { "lx" }

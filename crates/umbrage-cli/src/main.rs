@@ -16,10 +16,12 @@ mod interrupt;
 mod light;
 mod limits;
 mod memory;
+mod pace;
 mod page;
 mod plan;
 mod progress;
 mod render;
+mod replace;
 mod report;
 mod reuse;
 mod steps;
@@ -37,6 +39,9 @@ use umbrage_cli::{camera, look, method, output, scene_file, shown};
 
 use crate::exit_code::ExitCode;
 use crate::output::Output;
+
+/// So many threads are started where they are asked for, even if there are fewer processors.
+const MAX_IDLE_THREADS: usize = 64;
 
 const ABOUT: &str = "Bakes light and shadow into the vertices of a 3D scene";
 
@@ -58,7 +63,7 @@ Examples:
                                          a drawing of the edges of its shadows
 
 Exit codes: 0 done, 1 failed (the message says why), 2 wrong usage, 3 not as good as asked \
-(verify), 130 interrupted (Ctrl-C).
+(verify, bake --strict), 130 interrupted (Ctrl-C, or a signal to end).
 `umbrage help COMMAND` tells more about a command.";
 
 #[derive(Debug, Parser)]
@@ -75,9 +80,12 @@ struct Cli {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "General")]
 struct Global {
-    /// How many processor threads to use [default: as many as there are]; the result does not depend on it
+    /// How many processor threads to use, no more than help [default: as many as there are]; the result does not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
+    /// Replace files that are there already, whatever they are
+    #[arg(long, global = true)]
+    force: bool,
     /// Say nothing but warnings and errors
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
@@ -115,7 +123,11 @@ fn main() {
         Err(error) if output::is_closed_pipe(&error) => ExitCode::Success,
         Err(error) => {
             output::error_chain(&error);
-            if error.is::<verify::NotGoodEnough>() { ExitCode::NotGoodEnough } else { ExitCode::Failed }
+            if error.is::<verify::NotGoodEnough>() || error.is::<bake::NotTrue>() {
+                ExitCode::NotGoodEnough
+            } else {
+                ExitCode::Failed
+            }
         }
     };
     process::exit(code.into());
@@ -124,12 +136,14 @@ fn main() {
 fn run(cli: &Cli) -> anyhow::Result<()> {
     start_log(cli.global.verbose);
     if let Some(threads) = cli.global.threads {
+        // More than there are processors help nothing, and each takes memory and time.
+        let most = std::thread::available_parallelism().map_or(1, usize::from).max(MAX_IDLE_THREADS);
         rayon::ThreadPoolBuilder::new()
-            .num_threads(usize::from(threads))
+            .num_threads(usize::from(threads).min(most))
             .build_global()
             .with_context(|| format!("cannot start {threads} threads: ask for fewer with --threads"))?;
     }
-    let output = Output { quiet: cli.global.quiet, logging: cli.global.verbose > 0 };
+    let output = Output { quiet: cli.global.quiet, logging: cli.global.verbose > 0, force: cli.global.force };
     match &cli.command {
         Command::Bake(args) => bake::run(args, output),
         Command::Demo(args) => demo::run(args, output),

@@ -22,18 +22,18 @@ pub struct MethodArgs {
     method: Method,
     /// Refine triangles until the light between vertices errs by this share of the mean light; `none`: not at all [default:
     /// 0.01; in scenes of more than 5,000 polygons more, in proportion, up to 0.1]
-    #[arg(long, value_name = "T", value_parser = tolerance)]
+    #[arg(long, value_name = "T", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Make no more triangles than N, where they lessen the error most; refused where the shapes alone need more [default: as
     /// many as the tolerance needs]
-    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
     max_triangles: Option<usize>,
     /// Split patches until the share of one's light that reaches another is less than this: a smaller F makes reflected
     /// light more exact [default: 0.04 at the default tolerance, less for a smaller one]
-    #[arg(long, value_name = "F", value_parser = share)]
+    #[arg(long, value_name = "F", value_parser = share, allow_negative_numbers = true)]
     max_form_factor: Option<f64>,
     /// Never split patches smaller than this, in square metres [default: from the size of the scene and the tolerance]
-    #[arg(long, value_name = "A", value_parser = positive)]
+    #[arg(long, value_name = "A", value_parser = positive, allow_negative_numbers = true)]
     min_area: Option<f64>,
     /// What decides that: `brightness` weighs the share by how bright, reflecting, large and hidden the patches are;
     /// `form-factor` is the share alone, as in the paper: patches are then linked in scenes of thousands of faces, too, which
@@ -216,9 +216,22 @@ pub fn share(text: &str) -> Result<f64, String> {
     positive(text).and_then(|x| if x <= 1.0 { Ok(x) } else { Err("must be at most 1".into()) })
 }
 
-/// A number above 0, or `none` for infinity.
+/// No light errs by more than so many times the mean between vertices, and none can be resolved better than rounding allows.
+const TOLERANCES: [f64; 2] = [1e-9, 100.0];
+
+/// A share of the mean light, or `none` for infinity.
 fn tolerance(text: &str) -> Result<f64, String> {
-    if text == "none" { Ok(f64::INFINITY) } else { positive(text) }
+    if text == "none" {
+        return Ok(f64::INFINITY);
+    }
+    let [least, most] = TOLERANCES;
+    let tolerance =
+        number(text).map_err(|what| format!("{what}: give a share of the mean light such as 0.01, or none"))?;
+    if (least..=most).contains(&tolerance) {
+        Ok(tolerance)
+    } else {
+        Err(format!("must be between {least:e} and {most}, as a share of the mean light, or none"))
+    }
 }
 
 /// A finite number.
@@ -259,6 +272,19 @@ mod tests {
         assert_eq!(tolerances, [0.021, 0.071, 0.1]);
         let asked = Command::parse_from(["bake", "--tolerance", "0.02"]).method.settings(99_407).unwrap();
         assert_eq!(asked.shade.tolerance, 0.02);
+    }
+
+    #[test]
+    fn tolerances_that_mean_nothing_are_refused_in_words() {
+        let parse =
+            |t: &str| Command::try_parse_from(["bake", "--tolerance", t]).map(|_| ()).map_err(|e| e.to_string());
+        for t in ["0.01", "none", "1e-9", "16"] {
+            assert_eq!(parse(t), Ok(()), "{t}");
+        }
+        for t in ["-1", "0", "1e308", "101", "1e-12", "nan", "inf"] {
+            let told = parse(t).unwrap_err();
+            assert!(told.contains("share of the mean light") && told.contains("none"), "{t}: {told}");
+        }
     }
 
     #[test]

@@ -18,6 +18,8 @@ pub struct Output {
     pub quiet: bool,
     /// A log runs on standard error, where a progress bar would disturb it.
     pub logging: bool,
+    /// Files that are there already may be replaced, whatever they are.
+    pub force: bool,
 }
 
 impl Output {
@@ -48,6 +50,12 @@ pub fn warning(text: &str) {
     report(WARNING, "warning", text);
 }
 
+/// Writes how something is going.
+pub fn note(text: &str) {
+    // Where standard error is closed, there is nobody to tell.
+    let _ = writeln!(stderr().lock(), "{}", harmless(text));
+}
+
 /// Writes an error.
 pub fn error(text: &str) {
     report(ERROR, "error", text);
@@ -58,7 +66,23 @@ pub fn error_chain(error: &anyhow::Error) {
     self::error(&chain(error.as_ref()));
 }
 
+/// A message is cut after so many bytes: names in files can be of any length.
+const MAX_MESSAGE_BYTES: usize = 4000;
+
+/// A message as it may be shown: cut, and without characters that do something to a terminal.
+fn harmless(text: &str) -> String {
+    // What turns the direction of writing is no control character, and can make one name look like another.
+    let turns = |c: char| matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let shown = |c: char| if (c.is_control() && c != '\n') || turns(c) { char::REPLACEMENT_CHARACTER } else { c };
+    let text: String = text.chars().map(shown).collect();
+    match text.char_indices().find(|(at, _)| *at >= MAX_MESSAGE_BYTES) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text,
+    }
+}
+
 fn report(style: Style, kind: &str, text: &str) {
+    let text = harmless(text);
     // Where standard error is closed, there is nobody to tell.
     let _ = writeln!(stderr().lock(), "{style}{kind}:{style:#} {text}");
 }
@@ -92,6 +116,13 @@ mod tests {
     use anyhow::Context;
 
     use super::*;
+
+    #[test]
+    fn messages_are_cut_and_do_nothing_to_a_terminal() {
+        assert_eq!(harmless("a\u{1b}[31mb\u{7}\nc\u{202e}d"), "a\u{fffd}[31mb\u{fffd}\nc\u{fffd}d");
+        let long = harmless(&"\u{e9}".repeat(100_000));
+        assert!(long.len() <= MAX_MESSAGE_BYTES + 5 && long.ends_with("..."));
+    }
 
     #[test]
     fn a_chain_tells_each_cause_once() {

@@ -9,6 +9,7 @@ use umbrage_page::PageOptions;
 use umbrage_picture::Camera;
 
 use crate::output::Output;
+use crate::replace::{self, Made};
 use crate::shown::{Colors, Shown, default_camera};
 use crate::summary;
 
@@ -18,7 +19,7 @@ Examples:
   umbrage page baked.glb -o room.html --title \"The room at noon\"
 
 The page opens from a disk in any current browser, without network: drag to turn, wheel or pinch to come nearer, W A S D \
-to walk. It starts with the first camera of the file, or from outside where there is none. The address of the page keeps \
+to walk. It starts with the first camera of the file; without one, inside where the scene is an interior, else outside. The address of the page keeps \
 the view: #eye=x,y,z&target=x,y,z&fov=40&exposure=2&tone=filmic&show=irradiance&wire=1";
 
 /// Pixels of a window, to choose the first view by.
@@ -30,7 +31,7 @@ const FIRST_VIEW_PX: [usize; 2] = [800, 600];
 pub(crate) struct PageArgs {
     /// The baked file (.glb)
     baked: PathBuf,
-    /// The page to write (.html); replaced if it exists
+    /// The page to write (.html); a page of that name is replaced, another file with --force alone
     #[arg(short, long, value_name = "OUT.html")]
     output: PathBuf,
     /// Its title [default: the scene's name, or the file's]
@@ -39,6 +40,7 @@ pub(crate) struct PageArgs {
 }
 
 pub(crate) fn run(args: &PageArgs, output: Output) -> anyhow::Result<()> {
+    replace::check(&args.output, Made::Page, output.force)?;
     // Textures are decoded so that a page is not written with one that a browser would refuse.
     let shown = Shown::read(&args.baked)?;
     let meshes = shown.meshes(Colors::Seen, shown.file.exposure_k);

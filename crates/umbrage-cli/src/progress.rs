@@ -1,24 +1,30 @@
 //! Progress of a bake on a terminal: a bar for the stage that runs, with what is done and what there is to do.
 //!
-//! Nothing is drawn where standard error is no terminal, with `--quiet`, or while a log runs there.
+//! Where standard error is no terminal, a line comes every ten seconds. Nothing is told with `--quiet`, or while a log runs there.
 
 use std::fmt;
+use std::io::{self, IsTerminal};
 use std::ops::ControlFlow;
 use std::sync::Mutex;
+use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use umbrage::progress::{Stage, Update};
 
 use crate::interrupt;
-use crate::output::Output;
+use crate::output::{self, Output};
+use crate::pace::Pace;
 
-const COUNTED: &str = "{msg:>14} [{bar:32}] {human_pos}/{human_len}  {elapsed}";
+const COUNTED: &str = "{msg:>14} [{bar:32}] {percent:>3} %  {human_pos}/{human_len}  {elapsed}, {eta} left";
 const UNCOUNTED: &str = "{msg:>14} {spinner} {human_pos}  {elapsed}";
 
 /// A progress bar, and the stage that it shows.
 pub(crate) struct Bar {
     bar: ProgressBar,
     shown: Mutex<Option<(Running, u64)>>,
+    /// Where lines are told instead.
+    pace: Option<Mutex<Pace>>,
+    begin: Instant,
 }
 
 /// What runs.
@@ -44,7 +50,10 @@ impl Bar {
     pub(crate) fn new(output: Output) -> Self {
         let target =
             if output.quiet || output.logging { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        Self { bar: ProgressBar::with_draw_target(None, target), shown: Mutex::new(None) }
+        let bar = ProgressBar::with_draw_target(None, target);
+        let tells = !output.quiet && !output.logging && !io::stderr().is_terminal();
+        let pace = tells.then(|| Mutex::new(Pace::default()));
+        Self { bar, shown: Mutex::new(None), pace, begin: Instant::now() }
     }
 
     /// Shows an update, and asks to stop after Ctrl-C. Called from many threads, often.
@@ -60,6 +69,11 @@ impl Bar {
     fn show(&self, running: Running, done: u64, total: u64) -> ControlFlow<()> {
         if interrupt::was_interrupted() {
             return ControlFlow::Break(());
+        }
+        if let Some(Ok(mut pace)) = self.pace.as_ref().map(Mutex::try_lock)
+            && let Some(line) = pace.line(self.begin.elapsed(), &running.to_string(), done, total)
+        {
+            output::note(&line);
         }
         // Where another thread is drawing, this update may be lost: the next one comes soon.
         if !self.bar.is_hidden()

@@ -16,6 +16,7 @@ use crate::camera::{CameraArgs, SizeArgs};
 use crate::look::{LookArgs, Unit};
 use crate::output::Output;
 use crate::progress::Bar;
+use crate::replace::{self, Made};
 use crate::scene_file::SceneArgs;
 use crate::shown::{Colors, Shown};
 use crate::{interrupt, summary};
@@ -29,8 +30,8 @@ Examples:
   umbrage render baked.glb -o lux.png --false-color lx --scale-end 500
   umbrage render --side-by-side coarse.glb fine.glb --difference -o compared.png
 
-Without --eye the first camera of the file is used; without one, the camera stands outside, where most of the light can \
-be seen. Surfaces are seen from their front only.
+Without --eye the first camera of the file is used; without one, the camera stands inside where the scene is an interior, \
+else outside, above, where most of the light can be seen. --exposure is that of `umbrage bake`, whose summary tells the one it chose; --brighter is relative to that. Surfaces are seen from their front only.
 
 A .png shows what a screen can show. A .exr holds the light itself, linear and not cut off; it needs a program built \
 with `--features exr`.";
@@ -42,7 +43,7 @@ pub(crate) struct RenderArgs {
     /// The baked file (.glb); with --side-by-side two of them
     #[arg(required = true, num_args = 1..=2, value_name = "BAKED")]
     baked: Vec<PathBuf>,
-    /// The picture to write (.png or .exr); replaced if it exists
+    /// The picture to write (.png or .exr); a picture of that name is replaced
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
     #[command(flatten)]
@@ -77,6 +78,7 @@ enum Kind {
 
 pub(crate) fn run(args: &RenderArgs, output: Output) -> anyhow::Result<()> {
     let kind = kind(args)?;
+    replace::check(&args.output, Made::Picture, output.force)?;
     let files = args.baked.iter().map(|path| Shown::read(path)).collect::<anyhow::Result<Vec<_>>>()?;
     let first = files.first().context("no file was given")?;
     let k = first.file.exposure_k;
@@ -145,12 +147,12 @@ impl Drawing {
         let SizeArgs { width, height } = args.size;
         let settings = RenderSettings { width, height, ..RenderSettings::default() };
         let colors = args.look.colors();
-        if let Some(unit) = args.look.false_color {
+        if let Some(unit) = args.look.false_color.map(|unit| unit.in_file(first)) {
             let end = args.look.scale_end.unwrap_or_else(|| unit.scale_end(first));
             let look = Look::FalseColor { end: (end / unit.per_file_unit()) as f32 };
             return Self { colors, settings: RenderSettings { look, ..settings }, scale: Some(unit.scale(end)) };
         }
-        let exposure = args.look.exposure as f32;
+        let exposure = args.look.brighter(first) as f32;
         let look = match kind {
             Kind::Png => Look::Display { exposure, tone: args.look.tone() },
             Kind::Exr => Look::Raw { exposure },
@@ -175,7 +177,7 @@ fn compare(args: &RenderArgs, files: &[Shown], camera: &Camera) -> anyhow::Resul
     }
     let [first, second] = irradiance.as_slice() else { bail!("two files are compared, not {}", files.len()) };
     let difference = difference(first, second).context("the pictures differ in size")?;
-    let unit = args.look.false_color.unwrap_or(Unit::W);
+    let unit = args.look.false_color.unwrap_or(Unit::W).in_file(&files[0].file);
     let end = nice_ceiling(unit.per_file_unit() * difference.largest());
     let mut picture = difference.picture(end / unit.per_file_unit());
     Scale { begin: -end, end, unit: unit.name(), stops: &color::DIVERGING }.draw(&mut picture);

@@ -129,6 +129,7 @@ struct File<'a> {
     counts: Counts,
     compactness: Compactness,
     hidden_share: f64,
+    photometric: bool,
     mended: Mended,
     error: ErrorEstimate,
     solution: Solved,
@@ -274,6 +275,7 @@ impl<'a> File<'a> {
             },
             compactness: Compactness { median, percentile_5 },
             hidden_share: prepare.hidden_share,
+            photometric: reported.scene.photometric,
             mended: Mended {
                 welded_corners: prepare.welded_corners,
                 degenerate_polygons: prepare.degenerate_polygons,

@@ -23,6 +23,13 @@ pub struct SceneArgs {
     /// repeated
     #[arg(long, value_name = "MATERIAL=R,G,B")]
     emit: Vec<MaterialColour>,
+    /// Let all that hangs below a node give light: as --emit, by the node's name or its mesh's; may be repeated
+    #[arg(long, value_name = "NODE=R,G,B")]
+    emit_node: Vec<MaterialColour>,
+    /// Let light pass through a node, by its name or its mesh's, with all below it, such as a dome of sky; may be repeated. It is shown
+    /// in mean light
+    #[arg(long, value_name = "NODE")]
+    no_shadow: Vec<String>,
     /// Let a material reflect this share of the light, 0 to 1, red, green and blue, or one number; may be repeated
     #[arg(long, value_name = "MATERIAL=R,G,B")]
     reflectance: Vec<MaterialColour>,
@@ -47,6 +54,13 @@ pub struct SceneArgs {
     /// What the brightness of lamps (points, spots, suns) is in, beside that of surfaces that emit
     #[arg(long, value_enum, default_value_t)]
     lamp_units: Lamps,
+    /// Read files that the scene refers to (textures, libraries, includes) from anywhere below this folder [default: the scene's
+    /// folder; for MGF, its parent]
+    #[arg(long, value_name = "FOLDER")]
+    root: Option<PathBuf>,
+    /// Cut a full circle of curved shapes (MGF) into so many straight pieces [default: 24]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(3..=4096))]
+    curve_sides: Option<u16>,
 }
 
 /// A unit of length.
@@ -136,16 +150,24 @@ impl SceneArgs {
             Lamps::Lumens => LampUnits::Lumens,
         };
         let unit_m = self.unit.metres();
-        let options = ReadOptions { max_reflectance, unit_m, up, lamp_units, ..ReadOptions::default() };
+        let toml = self.materials_path(path);
+        let mut overrides = match self.overrides(path) {
+            Ok(overrides) => overrides,
+            Err(error) => return (vec![path.to_path_buf(), toml], Err(error)),
+        };
+        overrides.set_unit_m(unit_m);
+        let options = ReadOptions {
+            max_reflectance,
+            unit_m,
+            up,
+            lamp_units,
+            circle_segments: self.curve_sides.map_or(ReadOptions::default().circle_segments, usize::from),
+            dark: overrides.dark_materials(),
+            root: self.root.clone(),
+        };
         let SceneAndFiles { scene, mut files } = read_scene_and_files(path, &options);
-        files.push(self.materials_path(path));
-        (files, self.overridden(path, scene, max_reflectance))
-    }
-
-    fn overridden(&self, path: &Path, read: Result<Read, FormatError>, max_reflectance: f64) -> anyhow::Result<Read> {
-        let (mut scene, mut warnings) = read?;
-        warnings.extend(self.overrides(path)?.apply(&mut scene, max_reflectance)?);
-        Ok((scene, warnings))
+        files.push(toml);
+        (files, overridden(&overrides, scene, max_reflectance))
     }
 
     /// The TOML that says more of a scene, whether it is there or not.
@@ -165,9 +187,21 @@ impl SceneArgs {
         for emission in &self.emit {
             overrides.emit(emission.clone());
         }
+        for emission in &self.emit_node {
+            overrides.emit_from_node(emission.clone());
+        }
+        for node in &self.no_shadow {
+            overrides.cast_no_shadow(node.clone());
+        }
         for reflectance in &self.reflectance {
             overrides.reflect(reflectance.clone()).map_err(|what| anyhow!("--reflectance: {what}"))?;
         }
         Ok(overrides)
     }
+}
+
+fn overridden(overrides: &Overrides, read: Result<Read, FormatError>, max_reflectance: f64) -> anyhow::Result<Read> {
+    let (mut scene, mut warnings) = read?;
+    warnings.extend(overrides.apply(&mut scene, max_reflectance)?);
+    Ok((scene, warnings))
 }

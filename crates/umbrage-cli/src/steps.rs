@@ -106,6 +106,10 @@ pub(crate) fn bake_in_steps_by(
         if limits.is_time_over() {
             break ended_by(Limit::Time, steps_done);
         }
+        // Where there is nothing to fall back on, a stage that reports no progress is not waited for.
+        if steps_done == 0 && limits.is_memory_over() {
+            break ended_by(Limit::Memory, steps_done);
+        }
         match steps.recv_timeout(PULSE) {
             Ok(Ok(step)) => {
                 steps_done += 1;

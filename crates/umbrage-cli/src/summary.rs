@@ -8,9 +8,9 @@ use umbrage::prepare::PrepareReport;
 use umbrage::scene::Rgb;
 use umbrage::shade::{LampAccount, LampDefect};
 use umbrage::solve::EnergyAccount;
-use umbrage_formats::Written;
+use umbrage_formats::{Written, shortened};
 
-use crate::light::Fluxes;
+use crate::light::{Fluxes, Units};
 use crate::memory;
 
 /// The summary of a bake that took `elapsed` with reading and writing; `coarser` says at which tolerance and why, where
@@ -28,7 +28,8 @@ pub(crate) fn summary(
         // Writing to a string cannot fail.
         let _ = writeln!(text, "  {name:<12}  {value}");
     };
-    line("light", format!("{} W emitted (red, green, blue)", fluxes.describe()));
+    line("light", format!("{} (red, green, blue)", fluxes.describe()));
+    let units = fluxes.units();
     let [d0, d1, d2] = report.d_segments.map(grouped);
     line("polygons", grouped(report.prepare.polygons));
     line("faces", grouped(report.faces));
@@ -66,14 +67,14 @@ pub(crate) fn summary(
     line("residual", format!("{:.1e} of the light still changes after {iterations}", report.residual));
     line("energy", energy(&report.energy));
     if !report.lamps.is_empty() {
-        line("lamps", lamps(&report.lamps));
-        lamp_defects(report).into_iter().for_each(|defect| line("", defect));
+        line("lamps", lamps(&report.lamps, units));
+        lamp_defects(report, units).into_iter().for_each(|defect| line("", defect));
     }
     let clipped = match written.clipped_vertices {
         0 => String::new(),
         n => format!(", which cuts off {} at white", count(n, "vertex|vertices")),
     };
-    line("exposure", format!("{:.4}{clipped}", written.exposure_k));
+    line("exposure", format!("{}{clipped}", exposure(written.exposure_k)));
     let stages: Vec<String> = report.seconds.iter().map(|(stage, s)| format!("{stage} {}", seconds(*s))).collect();
     line("time", stages.join(", "));
     if let Some(bytes) = memory::peak_bytes() {
@@ -93,6 +94,11 @@ pub(crate) fn summary(
         line("warnings", format!("{}: see above", grouped(warnings)));
     }
     text
+}
+
+/// An exposure as it can be given to `--exposure`: what was chosen has three digits, and what was asked for has its own.
+pub(crate) fn exposure(k: f64) -> String {
+    if (1e-4..1e6).contains(&k) { format!("{k}") } else { format!("{k:e}") }
 }
 
 /// The share of hidden sides, where there are any.
@@ -154,10 +160,10 @@ fn balance(error_percent: f64) -> String {
 }
 
 /// How much of the light of all lamps falls where, in watts that are means of the three colours.
-fn lamps(accounts: &[LampAccount]) -> String {
+fn lamps(accounts: &[LampAccount], Units { flux, .. }: Units) -> String {
     let sum = |part: fn(&LampAccount) -> Rgb| rounded(accounts.iter().map(part).sum::<Rgb>().element_sum() / 3.0);
     format!(
-        "{} W sent; {} W fall on surfaces, which show {} W; {} W on backs, {} W leave the scene, {} W fade",
+        "{} {flux} sent; {} {flux} fall on surfaces, which show {} {flux}; {} {flux} on backs, {} {flux} leave the scene, {} {flux} fade",
         sum(|lamp| lamp.sent_w),
         sum(|lamp| lamp.expected_w),
         sum(|lamp| lamp.received_w),
@@ -174,18 +180,18 @@ pub(crate) fn guessed(prepare: &PrepareReport) -> Option<String> {
 }
 
 /// The lamps whose light is not shown as it falls.
-pub(crate) fn lamp_defects(report: &Report) -> Vec<String> {
+pub(crate) fn lamp_defects(report: &Report, Units { flux, .. }: Units) -> Vec<String> {
     let described = |lamp: &LampAccount| {
         let watts = |flux_w: Rgb| rounded(flux_w.element_sum() / 3.0);
         let (sent, expected, received) = (watts(lamp.sent_w), watts(lamp.expected_w), watts(lamp.received_w));
         let text = match lamp.defect()? {
             LampDefect::LightsNothing => format!(
-                "lamp {:?} lights nothing: of the {sent} W that it gives none falls on the front of a surface",
-                lamp.name
+                "lamp {:?} lights nothing: of the {sent} {flux} that it gives none falls on the front of a surface",
+                shortened(&lamp.name)
             ),
             LampDefect::OffBy(share) => format!(
-                "lamp {:?} is in error by {:+.0} %: {expected} W of its light fall on surfaces, which show {received} W",
-                lamp.name,
+                "lamp {:?} is in error by {:+.0} %: {expected} {flux} of its light fall on surfaces, which show {received} {flux}",
+                shortened(&lamp.name),
                 100.0 * share
             ),
         };

@@ -1,11 +1,14 @@
 //! Atomic writes: a reader sees the old file or the new one, never a half.
 //!
 //! The bytes go to a temporary file beside the target, which is then renamed over it. A failure or a killed process
-//! leaves the target as it was. [`check_writable`] tells before long work whether that will be possible. A link is followed, and a device (`/dev/null`) is written to, never replaced.
+//! leaves the target as it was. [`check_writable`] tells before long work whether that will be possible. A link is followed, and a device (`/dev/null`)
+//! is written to, never replaced. Temporary files bear the number of their process; those of processes that were killed are removed when
+//! another file is written beside them.
 
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use tempfile::NamedTempFile;
 
@@ -40,13 +43,53 @@ fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
+/// How temporary files are called: what comes before the number of the process, and at the end.
+const PREFIX: &str = ".umbrage-";
+const SUFFIX: &str = ".part";
+
+/// Where the system does not tell which processes run, a temporary file is left over once it is so old.
+const STALE_AFTER: Duration = Duration::from_secs(24 * 3600);
+
+/// Removes temporary files that processes have left which are no more. What cannot be looked at or removed stays.
+fn remove_stale(folder: &Path) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.filter_map(Result::ok) {
+        let name = entry.file_name();
+        let part = name.to_str().and_then(|name| name.strip_prefix(PREFIX)?.strip_suffix(SUFFIX));
+        let is_plain = || entry.file_type().is_ok_and(|kind| kind.is_file());
+        if part.is_some_and(|part| is_stale(part, &entry)) && is_plain() {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Whether nobody writes a temporary file any more; `part` is the middle of its name.
+fn is_stale(part: &str, entry: &fs::DirEntry) -> bool {
+    let processes = Path::new("/proc");
+    match part.split_once('-').and_then(|(process, _)| process.parse::<u32>().ok()) {
+        Some(process) if process == std::process::id() => false,
+        Some(process) if processes.join("self").exists() => !processes.join(process.to_string()).exists(),
+        _ => {
+            let modified = entry.metadata().and_then(|metadata| metadata.modified());
+            modified.is_ok_and(|modified| modified.elapsed().is_ok_and(|age| age > STALE_AFTER))
+        }
+    }
+}
+
 fn is_device(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|old| !old.is_file() && !old.is_dir())
 }
 
 /// Where a path leads, over links.
 fn real(path: &Path) -> PathBuf {
-    fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
+    if let Ok(real) = fs::canonicalize(path) {
+        return real;
+    }
+    // A link to a file that is not there yet.
+    match fs::read_link(path) {
+        Ok(target) => path.parent().unwrap_or(Path::new("")).join(target),
+        Err(_) => path.to_path_buf(),
+    }
 }
 
 /// An empty temporary file that can be renamed to `path`, as readable as the file that is there.
@@ -56,8 +99,10 @@ fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
+    remove_stale(folder);
+    let prefix = format!("{PREFIX}{}-", std::process::id());
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".umbrage-").suffix(".part");
+    builder.prefix(&prefix).suffix(SUFFIX);
     // A temporary file is private by default; the result should be as readable as the file it replaces, or as any
     // other new one.
     #[cfg(unix)]
@@ -127,6 +172,21 @@ mod tests {
         assert_eq!(names(folder.path()), ["out.glb"]);
     }
 
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_dead_processes_left_is_removed_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        // Numbers of processes end below 2^22.
+        let own = format!(".umbrage-{}-abc.part", std::process::id());
+        for name in [".umbrage-4294967295-abc.part", own.as_str(), ".umbrage-new.part", "umbrage-4294967295-a.part"] {
+            fs::write(folder.path().join(name), "x").unwrap();
+        }
+        write_atomically(&folder.path().join("out.glb"), b"one").unwrap();
+        let mut kept = vec![own.as_str(), ".umbrage-new.part", "out.glb", "umbrage-4294967295-a.part"];
+        kept.sort_unstable();
+        assert_eq!(names(folder.path()), kept);
+    }
+
     #[cfg(unix)]
     #[test]
     fn a_link_is_followed() {
@@ -137,6 +197,9 @@ mod tests {
         write_atomically(&link, b"two").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"two");
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        fs::remove_file(&path).unwrap();
+        write_atomically(&link, b"three").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"three", "also to a file that is not there");
     }
 
     #[cfg(unix)]

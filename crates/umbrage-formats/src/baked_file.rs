@@ -92,6 +92,8 @@ pub struct BakedFile {
     pub images: Vec<Vec<u8>>,
     /// The exposure `k`, per W/(m2 sr): `COLOR_0 = clamp(k E / pi)`.
     pub exposure_k: f64,
+    /// Whether irradiance is in lux, and not in W/m2.
+    pub photometric: bool,
     /// All that the bake left in `asset.extras.umbrage`.
     pub extras: Map<String, Value>,
 }

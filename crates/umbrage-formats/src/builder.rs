@@ -3,7 +3,7 @@
 //! Polygons of one node and one material become one surface. What is built is charged to a budget that grows with the
 //! bytes of the input: a small file with repetitions cannot unfold into a scene that fills the memory.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DVec2, DVec3};
 use umbrage::id::{ImageId, MaterialId, NodeId, SurfaceId};
@@ -56,6 +56,10 @@ pub(crate) struct SceneBuilder {
     surfaces: BTreeMap<(NodeId, MaterialId), SurfaceId>,
     max_reflectance: f64,
     capped_materials: usize,
+    crossed: usize,
+    dark: Vec<String>,
+    /// Materials that light passes through.
+    see_through: BTreeSet<MaterialId>,
     /// What may still be built.
     pub(crate) budget: Budget,
 }
@@ -70,6 +74,9 @@ impl SceneBuilder {
             surfaces: BTreeMap::new(),
             max_reflectance: options.max_reflectance.clamp(0.0, 1.0),
             capped_materials: 0,
+            crossed: 0,
+            dark: options.dark.clone(),
+            see_through: BTreeSet::new(),
             budget,
         }
     }
@@ -127,6 +134,32 @@ impl SceneBuilder {
         self.material(Material::diffuse(name, Rgb::splat(DEFAULT_REFLECTANCE)))
     }
 
+    /// Adds a material that no surface has as it is.
+    pub(crate) fn uncapped(&mut self, material: Material) -> MaterialId {
+        self.scene.materials.push_and_get_key(material)
+    }
+
+    /// Adds a material that reflects `tint` times as much as another, and is like it otherwise.
+    pub(crate) fn tinted(&mut self, material: MaterialId, tint: Rgb) -> MaterialId {
+        let Material { reflectance, .. } = self.scene.materials[material];
+        let is_glass = self.see_through.contains(&material);
+        let id = self.material(Material { reflectance: reflectance * tint, ..self.scene.materials[material].clone() });
+        if is_glass {
+            self.see_through(id);
+        }
+        id
+    }
+
+    /// Whether a material of this name is to give no light.
+    pub(crate) fn is_dark(&self, name: &str) -> bool {
+        self.dark.iter().any(|dark| dark == name)
+    }
+
+    /// Lets light pass through all surfaces of a material, which are passed on.
+    pub(crate) fn see_through(&mut self, material: MaterialId) {
+        self.see_through.insert(material);
+    }
+
     /// The surface of a material under a node.
     pub(crate) fn surface(&mut self, node: NodeId, material: MaterialId) -> SurfaceId {
         let surfaces = &mut self.scene.surfaces;
@@ -144,6 +177,19 @@ impl SceneBuilder {
         u32::try_from(positions.len() - 1).unwrap_or(u32::MAX)
     }
 
+    /// Adds a position of one surface, with its normal, to another; its number there.
+    pub(crate) fn copy_position(&mut self, from: SurfaceId, position: u32, to: SurfaceId) -> u32 {
+        let (position, normal) = {
+            let from = &self.scene.surfaces[from];
+            (from.positions_m[position as usize], from.normals.get(position as usize).copied())
+        };
+        let number = self.position(to, position);
+        if let Some(normal) = normal {
+            self.corner(to, normal, None);
+        }
+        number
+    }
+
     /// Says the normal (zero for none) and the place in its image, if there is one, of the position that was added last.
     pub(crate) fn corner(&mut self, surface: SurfaceId, normal: DVec3, uv: Option<DVec2>) {
         let surface = &mut self.scene.surfaces[surface];
@@ -151,27 +197,33 @@ impl SceneBuilder {
         surface.uvs.extend(uv);
     }
 
-    /// Adds a polygon to a surface.
+    /// Adds a polygon to a surface, unless its outline crosses itself so that nothing of it remains, which is counted.
     pub(crate) fn polygon(&mut self, surface: SurfaceId, corners: Vec<u32>) {
+        if cancels_out(&self.scene.surfaces[surface].positions_m, &corners) {
+            self.crossed += 1;
+            return;
+        }
         self.scene.surfaces[surface].polygons.push(corners);
     }
 
-    /// The scene, and the warning of capped materials if there are any.
-    pub(crate) fn finish(self) -> (Scene, Option<Warning>) {
+    /// The scene, and the warnings of capped materials and crossed polygons if there are any.
+    pub(crate) fn finish(mut self) -> (Scene, Vec<Warning>) {
+        if !self.see_through.is_empty() {
+            let surfaces = std::mem::take(&mut self.scene.surfaces);
+            let passes = |surface: &Surface| self.see_through.contains(&surface.material);
+            let (see_through, solid): (Vec<_>, Vec<_>) = surfaces.into_iter().partition(passes);
+            (self.scene.see_through, self.scene.surfaces) = (see_through, solid.into_iter().collect());
+        }
         let capped = (self.capped_materials > 0).then_some(Warning::ReflectanceCapped {
             materials: self.capped_materials,
             max_reflectance: self.max_reflectance,
         });
-        (self.scene, capped)
+        let crossed = (self.crossed > 0).then_some(Warning::CrossedLeftOut { polygons: self.crossed });
+        (self.scene, capped.into_iter().chain(crossed).collect())
     }
 
     /// The scene of a format that has no materials, and all warnings.
-    pub(crate) fn finish_without_materials(
-        self,
-        too_few_corners: usize,
-        coloured_vertices: usize,
-        unknown: Unknown,
-    ) -> (Scene, Vec<Warning>) {
+    pub(crate) fn finish_without_materials(self, too_few_corners: usize, unknown: Unknown) -> (Scene, Vec<Warning>) {
         let (scene, capped) = self.finish();
         let mut warnings = Vec::new();
         let mut warn = |count: usize, warning: fn(usize) -> Warning| {
@@ -180,12 +232,34 @@ impl SceneBuilder {
             }
         };
         warn(too_few_corners, |polygons| Warning::TooFewCorners { polygons });
-        warn(coloured_vertices, |vertices| Warning::ColouredVertices { vertices });
-        warn(scene.polygon_count(), |polygons| Warning::WithoutMaterial { polygons });
+        let grey =
+            |surface: &&Surface| scene.materials[surface.material].reflectance == Rgb::splat(DEFAULT_REFLECTANCE);
+        let polygons = scene.surfaces.iter().filter(grey).map(|surface| surface.polygons.len()).sum();
+        warn(polygons, |polygons| Warning::WithoutMaterial { polygons });
         warnings.extend(capped);
         warnings.extend(unknown.warning());
         (scene, warnings)
     }
+}
+
+/// Whether a polygon has no area on the whole, though its corners span a plane: its outline crosses itself, as that of a bow-tie.
+fn cancels_out(positions_m: &[DVec3], corners: &[u32]) -> bool {
+    /// Of the square of its extent, an area below this is rounding.
+    const NEGLIGIBLE: f64 = 1e-9;
+    let [first, _, _, _, ..] = corners else { return false };
+    let position = |corner: &u32| positions_m.get(*corner as usize).copied().unwrap_or_default();
+    let origin = position(first);
+    let arms = corners.iter().map(|corner| position(corner) - origin);
+    let (mut area, mut spanned, mut extent) = (DVec3::ZERO, 0.0_f64, 0.0_f64);
+    let mut before = DVec3::ZERO;
+    for arm in arms {
+        let cross = before.cross(arm);
+        area += cross;
+        spanned = spanned.max(cross.length());
+        extent = extent.max(arm.length_squared());
+        before = arm;
+    }
+    spanned > 1e3 * NEGLIGIBLE * extent && area.length() < NEGLIGIBLE * extent
 }
 
 /// The name of a scene whose format has none: the file's without its ending.
@@ -207,7 +281,17 @@ mod tests {
         assert_ne!(builder.surface(node, white), first);
         let (scene, capped) = builder.finish();
         assert_eq!((scene.surfaces.len(), scene.name.as_str()), (2, "room"));
-        assert_eq!(capped, Some(Warning::ReflectanceCapped { materials: 1, max_reflectance: 0.9 }));
+        assert_eq!(capped, [Warning::ReflectanceCapped { materials: 1, max_reflectance: 0.9 }]);
+    }
+
+    #[test]
+    fn a_bow_tie_cancels_out() {
+        let at = |corners: &[[f64; 2]]| -> Vec<DVec3> { corners.iter().map(|&[x, z]| DVec3::new(x, 0.0, z)).collect() };
+        let cancels = |corners: &[[f64; 2]]| cancels_out(&at(corners), &(0..corners.len() as u32).collect::<Vec<_>>());
+        assert!(cancels(&[[0.0, 0.0], [0.0, 4.0], [4.0, 0.0], [4.0, 4.0]]));
+        assert!(!cancels(&[[0.0, 0.0], [0.0, 4.0], [4.0, 4.0], [4.0, 0.0]]));
+        assert!(!cancels(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]), "a line is something else");
+        assert!(!cancels(&[[0.0, 0.0], [0.0, 4.0], [4.0, 0.0]]));
     }
 
     #[test]

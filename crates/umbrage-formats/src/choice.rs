@@ -7,7 +7,8 @@ use umbrage::id::{NodeId, Table};
 use umbrage::scene::Scene;
 
 use crate::FormatError;
-use crate::similar::{listed, most_similar};
+use crate::similar::alike;
+use crate::text::shortened;
 
 /// What a message calls the options of a command.
 const OPTIONS: &str = "the options";
@@ -18,8 +19,8 @@ const OPTIONS: &str = "the options";
 /// # Errors
 /// [`FormatError::UnknownNode`] and [`FormatError::NothingChosen`]; the scene is then as it was.
 pub fn choose_nodes(scene: &mut Scene, only: &[String], skip: &[String]) -> Result<(), FormatError> {
-    let kept = if only.is_empty() { vec![true; scene.nodes.len()].into() } else { below(scene, only)? };
-    let skipped = below(scene, skip)?;
+    let kept = if only.is_empty() { vec![true; scene.nodes.len()].into() } else { below(scene, only, OPTIONS)? };
+    let skipped = below(scene, skip, OPTIONS)?;
     let is_baked = |node: NodeId| kept[node] && !skipped[node];
     if !scene.surfaces.iter().any(|surface| !surface.polygons.is_empty() && surface.baked && is_baked(surface.node)) {
         return Err(FormatError::NothingChosen { file: OPTIONS.to_owned() });
@@ -29,8 +30,8 @@ pub fn choose_nodes(scene: &mut Scene, only: &[String], skip: &[String]) -> Resu
     Ok(())
 }
 
-/// Which nodes have one of these names, or hang below one that has.
-fn below(scene: &Scene, names: &[String]) -> Result<Table<NodeId, bool>, FormatError> {
+/// Which nodes have one of these names, or hang below one that has; `from` names who says so, for the error.
+pub(crate) fn below(scene: &Scene, names: &[String], from: &str) -> Result<Table<NodeId, bool>, FormatError> {
     let names_of = |node: NodeId| [&scene.nodes[node].name, &scene.nodes[node].mesh_name].into_iter().flatten();
     let mut found = vec![false; names.len()];
     let mut below: Table<NodeId, bool> = Table::with_capacity(scene.nodes.len());
@@ -45,15 +46,8 @@ fn below(scene: &Scene, names: &[String]) -> Result<Table<NodeId, bool>, FormatE
     }
     let missing = names.iter().zip(found).find(|(_, found)| !found);
     missing.map_or(Ok(below), |(name, _)| {
-        let mut known: Vec<&str> = Vec::new();
-        for own in scene.nodes.keys().flat_map(names_of) {
-            if !known.contains(&own.as_str()) {
-                known.push(own);
-            }
-        }
-        let like = most_similar(name, known.iter().copied());
-        let like = like.map_or(String::new(), |like| format!(", perhaps {like:?} is meant"));
-        Err(FormatError::UnknownNode { file: OPTIONS.to_owned(), name: name.clone(), like, known: listed(&known) })
+        let (like, known) = alike(name, scene.nodes.keys().flat_map(names_of).map(String::as_str));
+        Err(FormatError::UnknownNode { file: from.to_owned(), name: shortened(name), like, known })
     })
 }
 

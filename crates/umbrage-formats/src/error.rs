@@ -31,14 +31,14 @@ pub enum FormatError {
         file: String,
     },
     /// Neither the beginning of the file nor its name is that of a known format.
-    #[error(
-        "{file}: {found} is not a format that can be read: export the scene as glTF 2.0 (.glb or .gltf), OBJ, MGF, PLY or STL"
-    )]
+    #[error("{file}: {found} is not a format that can be read: {cure}")]
     UnknownFormat {
         /// The file.
         file: String,
         /// What it seems to be.
         found: String,
+        /// How to make something of it that can be read.
+        cure: &'static str,
     },
     /// The frame of a GLB is broken: its header or its chunks.
     #[error("{file}: not a sound GLB: {what}: export or copy it again")]
@@ -231,6 +231,14 @@ pub enum FormatError {
         file: String,
         /// The exposure.
         exposure: f64,
+    },
+    /// The baked mesh breaks a promise: a defect of this program.
+    #[error("{file}: was not written: {what}: this is a defect of umbrage, please report it with the scene")]
+    BrokenMesh {
+        /// The file.
+        file: String,
+        /// Where, and what is broken.
+        what: String,
     },
     /// There is nothing to write.
     #[error("{file}: the baked mesh has no triangles: give the scene surfaces that have an area")]

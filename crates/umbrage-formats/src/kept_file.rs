@@ -80,6 +80,24 @@ pub fn read_kept(path: &Path) -> Result<Option<Kept>, KeptFileError> {
     }
 }
 
+/// The bytes of a kept bake, as [`write_kept`] writes them.
+///
+/// # Errors
+/// [`FormatError::Unwritable`] where it cannot be put into bytes.
+pub fn kept_bytes(kept: &Kept) -> Result<Vec<u8>, FormatError> {
+    bytes_of(kept)
+        .map_err(|source| FormatError::Unwritable { file: "the bake".into(), source: io::Error::other(source) })
+}
+
+/// A kept bake from bytes that lack the checksum at their end: for tests of what is forged.
+///
+/// # Errors
+/// A [`KeptFileError`].
+pub fn kept_from_bytes(mut bytes: Vec<u8>) -> Result<Kept, KeptFileError> {
+    bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+    kept_in(&bytes, || "the bytes".into())
+}
+
 fn bytes_of(kept: &Kept) -> Result<Vec<u8>, postcard::Error> {
     let mut bytes = postcard::to_extend(kept, [MAGIC, VERSION].concat())?;
     bytes.extend(crc32fast::hash(&bytes).to_le_bytes());

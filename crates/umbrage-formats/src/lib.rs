@@ -28,6 +28,7 @@ mod similar;
 mod stl;
 mod text;
 mod texture_mean;
+mod tint;
 mod warning;
 
 pub use atomic::{check_writable, write_atomically};
@@ -35,12 +36,13 @@ pub use baked_file::{BakedCamera, BakedEmission, BakedFile, BakedFilePart, Baked
 pub use choice::choose_nodes;
 pub use error::FormatError;
 pub use gltf::{BakeFacts, Written, baked_glb_bytes, write_baked_glb};
-pub use kept_file::{KeptFileError, read_kept, write_kept};
+pub use kept_file::{KeptFileError, kept_bytes, kept_from_bytes, read_kept, write_kept};
 pub use overrides::{MaterialColour, Overrides};
 pub use read::{
     LampUnits, ReadOptions, SceneAndFiles, UpAxis, read_baked, read_baked_bytes, read_scene, read_scene_and_files,
     read_scene_bytes, read_scene_with,
 };
+pub use text::shortened;
 pub use texture_mean::picture_wrap;
 pub use umbrage::scene::Wrap as TextureWrap;
 pub use warning::Warning;

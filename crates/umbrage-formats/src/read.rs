@@ -1,12 +1,12 @@
 //! Reading a scene, whatever its format: the file's first bytes decide, then its name.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DMat3, DVec3};
 use umbrage::scene::Scene;
 
-use crate::beside::Folder;
+use crate::beside::{Folder, read_bounded};
+use crate::text::{shortened, utf8};
 use crate::{BakedFile, FormatError, Warning, gltf, mgf, obj, ply, stl};
 
 /// How a scene is read.
@@ -23,6 +23,12 @@ pub struct ReadOptions {
     pub circle_segments: usize,
     /// What the brightness of lamps is given in, beside that of surfaces.
     pub lamp_units: LampUnits,
+    /// Names of materials that give no light, whatever the file says: what is seen on them is then their base colour with its
+    /// texture, and not their emission.
+    pub dark: Vec<String>,
+    /// The folder that all files which the scene refers to have to lie in, links followed; `None` is the scene's own, and for MGF,
+    /// whose includes are often in a folder beside, that one's parent.
+    pub root: Option<PathBuf>,
 }
 
 /// What the brightness of lamps is given in, beside that of surfaces that emit.
@@ -48,7 +54,15 @@ pub enum UpAxis {
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { max_reflectance: 0.9, unit_m: 1.0, up: UpAxis::Y, circle_segments: 24, lamp_units: LampUnits::Same }
+        Self {
+            max_reflectance: 0.9,
+            unit_m: 1.0,
+            up: UpAxis::Y,
+            circle_segments: 24,
+            lamp_units: LampUnits::Same,
+            dark: Vec::new(),
+            root: None,
+        }
     }
 }
 
@@ -61,16 +75,36 @@ pub struct SceneAndFiles {
     pub files: Vec<PathBuf>,
 }
 
-/// Formats that people try, and that are not read yet.
-const KNOWN_ELSEWHERE: [(&str, &str); 8] = [
-    ("fbx", "FBX"),
-    ("blend", "a Blender file"),
-    ("dae", "COLLADA"),
-    ("3ds", "3DS"),
-    ("ifc", "IFC"),
-    ("skp", "a SketchUp file"),
-    ("usd", "USD"),
-    ("usdz", "USDZ"),
+/// What to do with a file of no known format.
+const EXPORT: &str = "export the scene as glTF 2.0 (.glb or .gltf), OBJ, MGF, PLY or STL";
+/// What to do with one that Blender opens.
+const BY_BLENDER: &str = "open it in Blender and export it with File > Export > glTF 2.0, Punctual Lights ticked";
+const FROM_BLENDER: &str = "in Blender, choose File > Export > glTF 2.0 and tick Data > Lighting > Punctual Lights";
+const FROM_ITS_PROGRAM: &str = "export it as glTF 2.0 (.glb) or OBJ from the program that made it";
+
+/// A format that people try, and that is not read.
+struct Elsewhere {
+    endings: &'static [&'static str],
+    /// How its files begin.
+    begins: &'static [&'static [u8]],
+    name: &'static str,
+    cure: &'static str,
+}
+
+const ELSEWHERE: [Elsewhere; 8] = [
+    Elsewhere { endings: &["blend"], begins: &[b"BLENDER"], name: "a Blender file", cure: FROM_BLENDER },
+    Elsewhere { endings: &["fbx"], begins: &[b"Kaydara FBX"], name: "FBX", cure: BY_BLENDER },
+    Elsewhere {
+        endings: &["usd", "usda", "usdc", "usdz"],
+        begins: &[b"#usda", b"PXR-USDC"],
+        name: "USD",
+        cure: BY_BLENDER,
+    },
+    Elsewhere { endings: &["dae"], begins: &[], name: "COLLADA", cure: BY_BLENDER },
+    Elsewhere { endings: &["3ds"], begins: &[], name: "3DS", cure: FROM_ITS_PROGRAM },
+    Elsewhere { endings: &["max"], begins: &[], name: "a 3ds Max file", cure: FROM_ITS_PROGRAM },
+    Elsewhere { endings: &["ifc"], begins: &[b"ISO-10303-21"], name: "IFC", cure: BY_BLENDER },
+    Elsewhere { endings: &["skp"], begins: &[], name: "a SketchUp file", cure: FROM_ITS_PROGRAM },
 ];
 
 /// Reads a scene with the default options. Formats: glTF 2.0 as `.gltf` (buffers beside it or embedded) and `.glb`,
@@ -105,7 +139,7 @@ pub fn read_scene_bytes(
     options: &ReadOptions,
 ) -> Result<(Scene, Vec<Warning>), FormatError> {
     let path = path.as_ref();
-    read_in(path, bytes, &Folder::of(path), options)
+    read_in(path, bytes, &Folder::of(path, options.root.as_deref()), options)
 }
 
 /// Reads a scene, and tells what files it is made of, which have to be looked at to know when it changes: its own, and all
@@ -119,7 +153,7 @@ pub fn read_scene_bytes(
 /// ```
 pub fn read_scene_and_files(path: impl AsRef<Path>, options: &ReadOptions) -> SceneAndFiles {
     let path = path.as_ref();
-    let folder = Folder::of(path);
+    let folder = Folder::of(path, options.root.as_deref());
     let scene = read_file(path).and_then(|bytes| read_in(path, bytes, &folder, options));
     let mut files = folder.asked();
     // A file may refer to itself.
@@ -134,9 +168,10 @@ fn read_in(
     folder: &Folder,
     options: &ReadOptions,
 ) -> Result<(Scene, Vec<Warning>), FormatError> {
+    let bytes = utf8(bytes);
     let (mut scene, warnings) = match format_of(path, &bytes)? {
         Format::Gltf => gltf::read(path, bytes, folder, options),
-        Format::Mgf => mgf::read(path, &bytes, folder, options),
+        Format::Mgf => mgf::read(path, &bytes, &folder.within_parent(), options),
         Format::Obj => obj::read(path, &bytes, folder, options),
         Format::Ply => ply::read(path, &bytes, options),
         Format::Stl => stl::read(path, &bytes, options),
@@ -169,7 +204,7 @@ pub fn read_baked_bytes(path: impl AsRef<Path>, bytes: Vec<u8>) -> Result<BakedF
 }
 
 fn read_file(path: &Path) -> Result<Vec<u8>, FormatError> {
-    fs::read(path).map_err(|source| FormatError::Unreadable { file: path.display().to_string(), source })
+    read_bounded(path).map_err(|source| FormatError::Unreadable { file: path.display().to_string(), source })
 }
 
 /// Takes a scene from the file's unit and axes to metres with Y up.
@@ -238,10 +273,13 @@ fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, FormatError> {
     if let Some((_, format)) = BY_ENDING.iter().find(|(known, _)| *known == ending) {
         return Ok(*format);
     }
-    let known = KNOWN_ELSEWHERE.iter().find(|(known, _)| *known == ending).map(|(_, name)| (*name).to_owned());
-    let found = known.unwrap_or_else(|| match ending.as_str() {
-        "" => "a file without ending that does not begin like glTF".to_owned(),
-        _ => format!("a file ending in .{ending}"),
+    let elsewhere = ELSEWHERE.iter().find(|format| {
+        format.endings.contains(&ending.as_str()) || format.begins.iter().any(|begin| bytes.starts_with(begin))
     });
-    Err(FormatError::UnknownFormat { file, found })
+    let (found, cure) = match (elsewhere, ending.as_str()) {
+        (Some(format), _) => (format.name.to_owned(), format.cure),
+        (None, "") => ("a file without ending that does not begin like glTF".to_owned(), EXPORT),
+        (None, ending) => (format!("a file ending in .{}", shortened(ending)), EXPORT),
+    };
+    Err(FormatError::UnknownFormat { file, found, cure })
 }

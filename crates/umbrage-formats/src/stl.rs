@@ -1,7 +1,7 @@
 //! STL, binary and text: triangles without materials.
 //!
 //! All triangles get the grey material `default`. Normals in the file are ignored: the front is where the corners run
-//! counter-clockwise. Every `solid` of a text becomes a node. Source: 3D Systems, *StereoLithography Interface
+//! counter-clockwise. Capitals do not count in a text. Every `solid` of a text becomes a node. Source: 3D Systems, *StereoLithography Interface
 //! Specification*, 1989.
 
 use std::path::Path;
@@ -25,13 +25,15 @@ pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(
     let file = path.display().to_string();
     let mut builder = SceneBuilder::new(builder::stem(path), bytes.len(), options);
     let material = builder.grey("default");
+    let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    let is_text = text.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     let triangles = triangle_count(bytes);
     let fits = |n: usize| n.checked_mul(TRIANGLE).and_then(|n| n.checked_add(HEADER + 4));
     // Binary files may begin with "solid" too, so what decides is whether the count fits the length.
     let is_binary = triangles.and_then(fits) == Some(bytes.len());
     let mut unknown = Unknown::default();
     let mut too_few_corners = 0;
-    if is_binary || !bytes.trim_ascii_start().starts_with(b"solid") {
+    if is_binary || !is_text {
         let wanted = triangles.map_or(HEADER as u64 + 4, |n| fits(n).map_or(u64::MAX, |end| end as u64));
         if wanted > bytes.len() as u64 {
             let (place, length) = ("the triangles".to_owned(), bytes.len() as u64);
@@ -47,7 +49,8 @@ pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(
         let mut cursor = Cursor::default();
         while let Some(line) = cursor.next_line(bytes, false) {
             let place = Place { file: &file, line: line.number };
-            match keyword(&line.text) {
+            let (word, rest) = keyword(&line.text);
+            match (word.to_ascii_lowercase().as_str(), rest) {
                 ("solid", name) => {
                     let name = if name.is_empty() { builder.name().to_owned() } else { name.to_owned() };
                     let node = builder.node(&name, None, &file, || place.name())?;
@@ -75,13 +78,16 @@ pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(
             return Err(FormatError::BeyondEnd { file, place, end: length + 1, length });
         }
     }
-    Ok(builder.finish_without_materials(too_few_corners, 0, unknown))
+    Ok(builder.finish_without_materials(too_few_corners, unknown))
 }
 
-/// The count in the header of a binary file.
+/// The count in the header of a binary file; where a writer left it at 0, what follows counts.
 fn triangle_count(bytes: &[u8]) -> Option<usize> {
-    let count = bytes.get(HEADER..)?.first_chunk::<4>()?;
-    usize::try_from(u32::from_le_bytes(*count)).ok()
+    let (count, body) = bytes.get(HEADER..)?.split_first_chunk::<4>()?;
+    match usize::try_from(u32::from_le_bytes(*count)).ok()? {
+        0 if body.len().is_multiple_of(TRIANGLE) => Some(body.len() / TRIANGLE),
+        count => Some(count),
+    }
 }
 
 fn binary(builder: &mut SceneBuilder, surface: SurfaceId, file: &str, bytes: &[u8]) -> Result<(), FormatError> {
@@ -136,6 +142,18 @@ mod tests {
         assert_eq!(binary.surfaces, text.surfaces);
         assert_eq!(binary.nodes.raw[0].name.as_deref(), Some("part"));
         assert_eq!(binary.materials.raw[0].name, "default");
+    }
+
+    #[test]
+    fn capitals_a_byte_order_mark_and_a_count_of_0_are_read() {
+        let (plain, _) = read(TEXT.as_bytes()).unwrap();
+        for text in [TEXT.to_uppercase(), format!("\u{feff}{TEXT}")] {
+            assert_eq!(read(text.as_bytes()).unwrap().0.surfaces, plain.surfaces, "{text}");
+        }
+        let mut binary = a_binary(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]);
+        binary[HEADER..HEADER + 4].fill(0);
+        binary[0] = b'x';
+        assert_eq!(read(&binary).unwrap().0.surfaces, plain.surfaces);
     }
 
     #[test]

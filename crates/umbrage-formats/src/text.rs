@@ -1,9 +1,12 @@
 //! What text formats share: lines with a number, words, numbers, and errors that name the line.
 //!
 //! A line ends at LF, CRLF or CR; one that ends in a backslash goes on in the next, and is named by its first. Bytes
-//! that are not UTF-8 become replacement characters, so that names in other encodings do no harm.
+//! that are not UTF-8 are taken as Windows-1252, which has a character for each: names in other encodings look strange, and stay
+//! different. In encodings of two bytes for a character the second can be that of a backslash, which then continues nothing.
 
 use std::borrow::Cow;
+
+use encoding_rs::{Encoding, UTF_8, WINDOWS_1252};
 
 use crate::FormatError;
 
@@ -38,9 +41,9 @@ impl Cursor {
             if first.is_empty() {
                 continue;
             }
-            let goes_on = |line: &[u8]| line.ends_with(b"\\");
+            let goes_on = |line: &[u8]| line.ends_with(b"\\") && !ends_in_two_bytes(line);
             if !goes_on(first) || (first.starts_with(b"#") && !comments_continue) {
-                return Some(Line { number, text: String::from_utf8_lossy(first) });
+                return Some(Line { number, text: decoded(first) });
             }
             let mut joined = Vec::new();
             let mut part = first;
@@ -50,7 +53,7 @@ impl Cursor {
                 part = self.physical_line(bytes).unwrap_or_default();
             }
             joined.extend_from_slice(part);
-            let text = String::from_utf8_lossy(joined.trim_ascii()).into_owned();
+            let text = decoded(joined.trim_ascii()).into_owned();
             if !text.is_empty() {
                 return Some(Line { number, text: text.into() });
             }
@@ -76,6 +79,24 @@ impl Cursor {
         self.lines += 1;
         Some(line.trim_ascii())
     }
+}
+
+/// A text in UTF-16 that says so by its first bytes, as UTF-8; any other as it is.
+pub(crate) fn utf8(bytes: Vec<u8>) -> Vec<u8> {
+    match Encoding::for_bom(&bytes) {
+        Some((encoding, _)) if encoding != UTF_8 => encoding.decode(&bytes).0.into_owned().into_bytes(),
+        _ => bytes,
+    }
+}
+
+fn decoded(line: &[u8]) -> Cow<'_, str> {
+    str::from_utf8(line).map_or_else(|_| WINDOWS_1252.decode_without_bom_handling(line).0, Cow::Borrowed)
+}
+
+/// Whether a line that is not UTF-8 ends in a character of two bytes, as in Shift-JIS, GBK and Big5, whose first is at least this.
+fn ends_in_two_bytes(line: &[u8]) -> bool {
+    const LEAST_FIRST: u8 = 0x81;
+    matches!(line, [.., first, _] if *first >= LEAST_FIRST) && str::from_utf8(line).is_err()
 }
 
 /// A line of a file, for messages.
@@ -138,7 +159,7 @@ pub(crate) fn keyword(text: &str) -> (&str, &str) {
 }
 
 /// A piece of a file as a message can bear it.
-pub(crate) fn shortened(text: &str) -> String {
+pub fn shortened(text: &str) -> String {
     if text.chars().count() <= 80 { text.to_owned() } else { text.chars().take(80).chain("...".chars()).collect() }
 }
 
@@ -167,6 +188,16 @@ mod tests {
         let (f, v) = ((1, "f 1 2  3 4".to_owned()), (5, "v 1".to_owned()));
         assert_eq!(lines(text, false), [f.clone(), (4, "# c:\\".to_owned()), v]);
         assert_eq!(lines(text, true), [f, (4, "# c: v 1".to_owned())]);
+    }
+
+    #[test]
+    fn names_in_other_encodings_stay_different() {
+        // Latin-1 and Shift-JIS, whose second byte can be a backslash.
+        let text = b"usemtl gr\xfcn\nusemtl gr\xf6n\nusemtl \x83\x5c\nusemtl \x83\x41\n";
+        let names: Vec<String> = lines(text, false).into_iter().map(|(_, text)| text).collect();
+        assert_eq!(names, ["usemtl gr\u{fc}n", "usemtl gr\u{f6}n", "usemtl \u{192}\\", "usemtl \u{192}A"]);
+        assert_eq!(utf8(b"\xff\xfev\0 \x001\0".to_vec()), b"v 1");
+        assert_eq!(utf8(b"v 1".to_vec()), b"v 1");
     }
 
     #[test]

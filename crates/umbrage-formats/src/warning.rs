@@ -93,6 +93,18 @@ pub enum Warning {
         /// How many polygons.
         polygons: usize,
     },
+    /// Nodes that are hidden (`KHR_node_visibility`), with all below them: they neither block light nor give any.
+    HiddenLeftOut {
+        /// How many nodes.
+        nodes: usize,
+    },
+    /// Lamps with values that no lamp can have: mended as viewers do.
+    LampsMended {
+        /// How many values.
+        lamps: usize,
+        /// The first lamp, and what was done.
+        first: String,
+    },
     /// Polygons with fewer than three corners: left out.
     TooFewCorners {
         /// How many polygons.
@@ -119,10 +131,25 @@ pub enum Warning {
         /// The library that was read instead: the one that is named like the scene.
         replaced_by: Option<String>,
     },
-    /// Vertices with a colour, which is not used.
-    ColouredVertices {
-        /// How many vertices.
-        vertices: usize,
+    /// Further material libraries that could not be read.
+    MoreLibrariesMissing {
+        /// How many.
+        libraries: usize,
+    },
+    /// Polygons with colours at their corners and an image on them: the image says their colour.
+    ColoursUnderImages {
+        /// How many polygons.
+        polygons: usize,
+    },
+    /// Normals that are no three finite numbers: ignored.
+    BadNormals {
+        /// How many normals.
+        normals: usize,
+    },
+    /// Polygons whose outline crosses itself so that its parts cancel out: left out.
+    CrossedLeftOut {
+        /// How many polygons.
+        polygons: usize,
     },
     /// Statements of a text, or elements of a mesh, that are not known: ignored.
     UnknownStatements {
@@ -147,6 +174,34 @@ pub enum Warning {
         /// How many materials.
         materials: usize,
     },
+    /// Colours that are none (MGF `cxy` beyond 0 to 1, spectra without brightness): taken as the nearest, or as neutral.
+    OddColours {
+        /// How many.
+        colours: usize,
+    },
+    /// Lamps that are farther away than ten times the scene's extent: they were meant in another unit.
+    LampsFarAway {
+        /// How many lamps.
+        lamps: usize,
+        /// The first of them.
+        first: String,
+        /// How far it is from the middle of the scene, in metres.
+        distance_m: f64,
+        /// The scene's extent, in metres.
+        size_m: f64,
+    },
+    /// Polygons that cast no shadow, as was said: they are passed on in mean light, and neither block nor light anything.
+    NoShadow {
+        /// How many polygons.
+        polygons: usize,
+    },
+    /// Materials that emit too little to light anything: their light is shown, and not cast.
+    FaintNotCast {
+        /// How many materials.
+        materials: usize,
+        /// All of their flux, as a share of the scene's.
+        share_of_flux: f64,
+    },
     /// Measured luminaires (MGF `ies`): left out; only surfaces give light.
     LuminairesIgnored {
         /// How many luminaires.
@@ -166,18 +221,17 @@ pub enum Warning {
         /// How many contexts.
         contexts: usize,
     },
-    /// Spots whose inner cone is not narrower than the outer, or whose outer cone is wider than a right angle: taken with a
-    /// sharp border, and at a right angle.
-    OddCones {
-        /// How many spots.
-        spots: usize,
-    },
     /// An extension that is not known: what it says was ignored.
     UnknownExtension {
         /// Its name.
         name: String,
         /// Whether the file says that it cannot be read rightly without it.
         required: bool,
+    },
+    /// Further unknown extensions.
+    MoreUnknownExtensions {
+        /// How many.
+        more: usize,
     },
 }
 
@@ -225,7 +279,7 @@ impl fmt::Display for Warning {
             ),
             Self::GlassPassedOn { polygons } => write!(
                 f,
-                "light passes unchanged through {} of glass (KHR_materials_transmission); they are shown in mean light",
+                "light passes unchanged through {} of glass (KHR_materials_transmission, or d of a half and less); they are shown in mean light",
                 count(*polygons, "polygon")
             ),
             Self::AnimationsIgnored { animations } => {
@@ -237,6 +291,15 @@ impl fmt::Display for Warning {
             Self::TransparentLeftOut { polygons } => {
                 write!(f, "{} left out: transparent, blocking nothing", count(*polygons, "polygon"))
             }
+            Self::HiddenLeftOut { nodes } => {
+                write!(f, "{} hidden by KHR_node_visibility left out, lamps on them included", count(*nodes, "node"))
+            }
+            Self::LampsMended { lamps, first } => {
+                write!(f, "{} that no lamp can have mended; the first lamp is {first}", count(*lamps, "value"))
+            }
+            Self::MoreUnknownExtensions { more } => {
+                write!(f, "{} more are not known and ignored", count(*more, "extension"))
+            }
             Self::TooFewCorners { polygons } => {
                 write!(f, "{} with fewer than three corners left out", count(*polygons, "polygon"))
             }
@@ -244,6 +307,7 @@ impl fmt::Display for Warning {
                 write!(f, "{} without a material: taken as grey, by the name default", count(*polygons, "polygon"))
             }
             Self::MaterialsMissing { materials, first } => {
+                let first = crate::text::shortened(first);
                 write!(f, "{} defined nowhere, the first {first:?}: taken as grey", count(*materials, "material"))
             }
             Self::MaterialLibraryMissing { library, why, replaced_by } => {
@@ -253,9 +317,21 @@ impl fmt::Display for Warning {
                     None => write!(f, "put it beside the scene"),
                 }
             }
-            Self::ColouredVertices { vertices } => {
-                write!(f, "colours of {} not used", count(*vertices, "vertex|vertices"))
+            Self::MoreLibrariesMissing { libraries } => {
+                let libraries = count(*libraries, "more material library|more material libraries");
+                write!(f, "{libraries} could not be read either")
             }
+            Self::ColoursUnderImages { polygons } => {
+                write!(f, "colours of the corners of {} not used: an image is on them", count(*polygons, "polygon"))
+            }
+            Self::BadNormals { normals } => {
+                write!(f, "{} ignored: not three finite numbers", count(*normals, "normal"))
+            }
+            Self::CrossedLeftOut { polygons } => write!(
+                f,
+                "{} left out: their outlines cross themselves, as in a bow-tie (exchange two neighbouring corners)",
+                count(*polygons, "polygon")
+            ),
             Self::UnknownStatements { statements, kinds } => {
                 write!(f, "{} ignored: {}", count(*statements, "unknown statement"), kinds.join(", "))
             }
@@ -270,6 +346,26 @@ impl fmt::Display for Warning {
                     count(*materials, "material")
                 })
             }
+            Self::OddColours { colours } => {
+                write!(f, "{} that no light can have: taken as the nearest, or as neutral", count(*colours, "colour"))
+            }
+            Self::LampsFarAway { lamps, first, distance_m, size_m } => write!(
+                f,
+                "{} far away from the scene, which is {size_m:.3} m across; the first is {first:?}, {distance_m:.3} m from its middle. \
+                 Positions of lamps are in metres, unless the TOML says lamp_unit = \"file\"",
+                count(*lamps, "lamp")
+            ),
+            Self::NoShadow { polygons } => write!(
+                f,
+                "{} cast no shadow, as was asked for: light passes through, they are shown in mean light and light nothing",
+                count(*polygons, "polygon")
+            ),
+            Self::FaintNotCast { materials, share_of_flux } => write!(
+                f,
+                "the faint light of {}, {:.2} % of all, is shown and not cast; --emit or the TOML says which are to cast theirs",
+                count(*materials, "material"),
+                100.0 * share_of_flux
+            ),
             Self::LuminairesIgnored { luminaires } => {
                 write!(f, "{} left out: only surfaces give light", count(*luminaires, "measured luminaire"))
             }
@@ -282,11 +378,6 @@ impl fmt::Display for Warning {
             Self::UnclosedContexts { contexts } => {
                 write!(f, "{} never closed: taken to end with the file", count(*contexts, "context"))
             }
-            Self::OddCones { spots } => write!(
-                f,
-                "{} with cones that are not 0 <= inner < outer <= 90 degrees: taken with a sharp border, and at 90 degrees",
-                count(*spots, "spot")
-            ),
             Self::UnknownExtension { name, required: true } => {
                 write!(f, "extension {name} is not known and ignored, though the file requires it: check the result")
             }
@@ -341,7 +432,7 @@ mod tests {
     #[test]
     fn a_message_names_the_extension() {
         let glass = Warning::GlassPassedOn { polygons: 2 }.to_string();
-        assert!(glass.contains("2 polygons of glass (KHR_materials_transmission)"), "{glass}");
+        assert!(glass.contains("2 polygons of glass (KHR_materials_transmission"), "{glass}");
     }
 
     #[test]
@@ -349,6 +440,5 @@ mod tests {
         assert_eq!(Warning::SkinsAtRest { nodes: 1 }.to_string(), "1 node with a skin taken in rest pose");
         let textures = Warning::TexturesIgnored { uses: 3, first: "image 2: broken".into() }.to_string();
         assert!(textures.starts_with("3 textures not used") && textures.ends_with("image 2: broken"), "{textures}");
-        assert!(Warning::ColouredVertices { vertices: 2 }.to_string().contains("2 vertices"));
     }
 }

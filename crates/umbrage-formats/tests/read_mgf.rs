@@ -209,7 +209,7 @@ fn files_include_each_other_with_transforms_and_arrays() {
     };
     assert!(include("i o.mgf\n", "\ni main.mgf\n").contains("includes itself"));
     assert!(include("i o.mgf\n", "i o.mgf\n").contains("includes itself"));
-    assert!(include("i ../up.mgf\n", "").contains("leaves the folder"));
+    assert!(include("i ../../up.mgf\n", "").contains("leaves the root"));
     assert!(include("i none.mgf\n", "").contains("cannot be read"));
     assert!(include("i .\n", "").contains("is not a file"));
     assert!(include("i o.mgf\n", "f x y z\n").contains("o.mgf: line 1: there is no vertex \"x\""));
@@ -232,10 +232,10 @@ fn bad_statements_are_named() {
         ("m y = z", "there is no material \"z\""),
         ("p 1 2", "p has 2 numbers, and needs 3"),
         ("p 1 2 nan", "not finite"),
-        ("cxy .3 0", "cxy does not describe a colour"),
-        ("cspec 400 700 0 0", "cspec does not"),
+        ("cxy .3", "cxy does not describe a colour"),
+        ("cxy .3 nan", "not finite"),
+        ("cspec 400 700 0", "cspec does not"),
         ("cmix 1", "cmix does not"),
-        ("cct -5", "cct does not"),
         ("sides 3", "sides is 3"),
         ("rd 1.5", "rd is 1.5"),
         ("ed -1", "ed is -1"),
@@ -267,4 +267,44 @@ fn nested_arrays_end() {
     assert!(matches!(read(&deep), Err(FormatError::TooLarge { .. })));
     assert!(matches!(read(&"xf -i 1000000\n".repeat(1000)), Err(FormatError::BadStatement { .. })));
     assert!(start.elapsed().as_secs() < 20);
+}
+
+#[test]
+fn includes_may_come_from_beside_the_folder_and_no_farther() {
+    let files = [
+        ("rooms/a/main.mgf", "i ../lib/v.mgf\nf a b c\n"),
+        ("rooms/lib/v.mgf", "v a =\np 0 0 0\nv b =\np 1 0 0\nv c =\np 1 1 0\n"),
+    ];
+    assert_eq!(read_files(&files).unwrap().0.polygon_count(), 1);
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [("x/rooms/a/main.mgf", "i ../../../v.mgf\nf a b c\n"), ("v.mgf", files[1].1)] {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    }
+    let path = folder.path().join("x/rooms/a/main.mgf");
+    let message = read_scene(&path).unwrap_err().to_string();
+    assert!(
+        message.contains("line 1") && message.contains("leaves the root") && message.contains("--root"),
+        "{message}"
+    );
+    let options = ReadOptions { root: Some(folder.path().to_path_buf()), ..ReadOptions::default() };
+    assert_eq!(umbrage_formats::read_scene_with(&path, &options).unwrap().0.polygon_count(), 1);
+}
+
+#[test]
+fn colours_that_are_none_are_counted_and_the_nearest_taken() {
+    let shape = "v a =\np 0 0 0\nv b =\np 1 0 0\nv c =\np 1 1 0\n";
+    let text = format!(
+        "{shape}c x =\ncxy 0.7 0.6\nc y =\ncspec 400 700 0 0 0\nc z =\ncspec 400 700 -0.02 0.1 0.9\nm w =\nc x\nrd 0.5\nf a b c\n"
+    );
+    let (scene, warnings) = read_files(&[("a.mgf", &text)]).unwrap();
+    assert!(warnings.contains(&Warning::OddColours { colours: 2 }), "{warnings:?}");
+    assert!(scene.materials.iter().all(|m| m.reflectance.is_finite() && m.reflectance.min_element() >= 0.0));
+}
+
+#[test]
+fn a_statement_that_is_not_known_is_named() {
+    let (_, warnings) = read_files(&[("a.mgf", "v a =\nfoo 1 2\nbar\nfoo\n")]).unwrap();
+    assert!(warnings.iter().any(|w| w.to_string().contains("3 unknown statements ignored: foo, bar")), "{warnings:?}");
 }

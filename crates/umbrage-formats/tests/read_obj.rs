@@ -4,10 +4,11 @@
 mod common;
 
 use common::{material_polygons, polygons, read_files, scene_path};
+use glam::DVec3;
 use umbrage::prepare::prepare;
 use umbrage::progress::Progress;
 use umbrage::scene::cornell::cornell_box;
-use umbrage::scene::{Rgb, Scene};
+use umbrage::scene::{Alpha, Rgb, Scene};
 use umbrage_formats::{FormatError, ReadOptions, UpAxis, Warning, read_scene, read_scene_bytes, read_scene_with};
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -132,7 +133,6 @@ fn what_is_not_taken_over_is_counted() {
         [
             Warning::PointsAndLines { primitives: 2 },
             Warning::TooFewCorners { polygons: 2 },
-            Warning::ColouredVertices { vertices: 1 },
             Warning::UnknownStatements { statements: 3, kinds: vec!["curv".into(), "foo".into()] },
         ]
     );
@@ -206,12 +206,12 @@ fn textures_and_normals_belong_to_corners() {
         image_surface.uvs.iter().map(|uv| uv.to_array()).collect::<Vec<_>>(),
         [[0., 1.], [0.5, 1.], [0.5, 0.], [0., 0.]]
     );
-    assert_eq!(image_surface.normals, [glam::DVec3::Z; 4]);
+    assert_eq!(image_surface.normals, [DVec3::Z; 4]);
     let material = &scene.materials[image_surface.material];
     assert!((material.reflectance - Rgb::new(0.8, 0.4, 0.2)).length() < 1e-9, "{material:?}");
     assert_eq!(&*scene.images[material.look.texture.unwrap().image].bytes, image.as_slice());
     // Without an image nothing is laid on; a corner may have no normal.
-    let (up, none) = (glam::DVec3::Z, glam::DVec3::ZERO);
+    let (up, none) = (DVec3::Z, DVec3::ZERO);
     assert!(plain.uvs.is_empty() && plain.normals == [up, none, up, none], "{:?}", plain.normals);
     assert!(matches!(warnings.as_slice(), [Warning::ReflectanceCapped { materials: 1, .. }]), "{warnings:?}");
 }
@@ -255,7 +255,7 @@ fn emission_and_opacity_have_images_too() {
     // Of a leaf the white half alone is seen, which is what reflects; a net has no other colour than its own.
     near(leaf.reflectance, Rgb::splat(0.5));
     near(net.reflectance, Rgb::splat(0.3));
-    let mask = |material: &umbrage::scene::Material| matches!(material.look.alpha, umbrage::scene::Alpha::Mask { .. });
+    let mask = |material: &umbrage::scene::Material| matches!(material.look.alpha, Alpha::Mask { .. });
     assert_eq!([lamp, leaf, net, dark, torn].map(mask), [false, true, true, false, false]);
     assert!(image_of(leaf).bytes.starts_with(b"\x89PNG"), "viewers take no TGA");
     assert!(dark.look.texture.is_none() && !dark.emits() && torn.look.texture.is_none());
@@ -264,4 +264,89 @@ fn emission_and_opacity_have_images_too() {
         panic!("{warnings:?}")
     };
     assert!(first.starts_with("none.png: cannot be read"), "{first}");
+}
+
+/// Files of bytes, the first of which is read.
+fn read_bytes(files: &[(&str, &[u8])]) -> (Scene, Vec<Warning>) {
+    let folder = tempfile::tempdir().unwrap();
+    files.iter().for_each(|(name, bytes)| std::fs::write(folder.path().join(name), bytes).unwrap());
+    read_scene(folder.path().join(files[0].0)).unwrap()
+}
+
+#[test]
+fn names_in_other_encodings_stay_different() {
+    // Latin-1: \u{fc} and \u{f6}. Shift-JIS: the second byte of the first is a backslash, at the end of a line.
+    for [a, b] in [[&b"gr\xfcn"[..], b"gr\xf6n"], [b"\x83\x5c", b"\x83\x41"]] {
+        let obj =
+            [SQUARE.as_bytes(), b"mtllib room.mtl\nusemtl ", a, b"\nf 1 2 3\nusemtl ", b, b"\nf 1 3 4\n"].concat();
+        let mtl = [b"newmtl ", a, b"\nKd 0.1 0.1 0.1\nnewmtl ", b, b"\nKd 0.2 0.2 0.2\nKe 5 5 5\n"].concat();
+        let (scene, warnings) = read_bytes(&[("room.obj", &obj), ("room.mtl", &mtl)]);
+        assert_eq!(warnings, []);
+        let all: Vec<f64> = scene.surfaces.iter().map(|s| scene.materials[s.material].reflectance.x).collect();
+        assert_eq!(all, [0.1, 0.2]);
+    }
+    let utf16: Vec<u8> = [0xff, 0xfe]
+        .into_iter()
+        .chain(format!("{SQUARE}f 1 2 3 4\n").encode_utf16().flat_map(u16::to_le_bytes))
+        .collect();
+    assert_eq!(read_bytes(&[("room.obj", &utf16)]).0.polygon_count(), 1);
+}
+
+#[test]
+fn normals_that_are_none_are_ignored_and_counted() {
+    let text = format!("{SQUARE}vn 0 0 1\nvn nan nan nan\nvn -nan(ind) 0 0\nvn 1 2\nf 1//1 2//2 3//3 4//4\n");
+    let (scene, warnings) = read(&text).unwrap();
+    assert!(warnings.contains(&Warning::BadNormals { normals: 3 }), "{warnings:?}");
+    let normals = &scene.surfaces.raw[0].normals;
+    assert_eq!((normals[0], normals[1], normals[3]), (DVec3::Z, DVec3::ZERO, DVec3::ZERO));
+    assert_eq!(scene.validate().is_err(), !scene.materials.iter().any(|m| m.emits()), "nothing else is wrong with it");
+}
+
+#[test]
+fn colours_of_vertices_multiply_the_reflectance() {
+    let vertices = "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 1 1 0 1 0 0\nv 0 1 0 1 0 0\n";
+    let library = "newmtl a\nKd 0.8 0.8 0.8\n";
+    let text = format!("mtllib a.mtl\n{vertices}usemtl a\nf 1 2 3 4\n");
+    let (scene, warnings) = read_files(&[("room.obj", &text), ("a.mtl", library)]).unwrap();
+    assert_eq!(warnings, []);
+    let material = &scene.materials[scene.surfaces.raw[0].material];
+    assert_eq!((material.name.as_str(), material.reflectance), ("a", Rgb::new(0.8, 0.0, 0.0)));
+    // Some programs write 0 to 255.
+    let bytes = text.replace(" 1 0 0\nv", " 255 0 0\nv").replace("0 1 0 1 0 0\nusemtl", "0 1 0 255 0 0\nusemtl");
+    let (scene, _) = read_files(&[("room.obj", &bytes), ("a.mtl", library)]).unwrap();
+    assert_eq!(scene.materials[scene.surfaces.raw[0].material].reflectance, Rgb::new(0.8, 0.0, 0.0));
+}
+
+#[test]
+fn what_lets_through_half_of_the_light_is_glass() {
+    let read_with = |statement: &str| {
+        let text = format!("mtllib a.mtl\n{SQUARE}usemtl a\nf 1 2 3 4\n");
+        read_files(&[("room.obj", &text), ("a.mtl", &format!("newmtl a\n{statement}\n"))]).unwrap()
+    };
+    for statement in ["d 0.3", "Tr 0.7"] {
+        let (scene, warnings) = read_with(statement);
+        assert_eq!((scene.polygon_count(), scene.see_through.len()), (0, 1));
+        let Alpha::Blend { alpha } = scene.materials[scene.see_through[0].material].look.alpha else { panic!() };
+        assert!((alpha - 0.3).abs() < 1e-12 && warnings == [Warning::GlassPassedOn { polygons: 1 }], "{warnings:?}");
+    }
+    let (scene, warnings) = read_with("d 0.7");
+    assert!(scene.polygon_count() == 1 && warnings == [Warning::AlphaIgnored { materials: 1 }], "{warnings:?}");
+    // What emits gives its light, and blocks.
+    let (scene, _) = read_with("d 0.25\nKe 8 8 8");
+    assert_eq!(scene.materials[scene.surfaces.raw[0].material].radiance, Rgb::splat(8.0));
+}
+
+#[test]
+fn capitals_of_libraries_and_textures_do_not_count() {
+    let text = format!("mtllib Room.MTL\n{SQUARE}usemtl a\nf 1 2 3 4\n");
+    let (scene, warnings) = read_files(&[("in.obj", &text), ("room.mtl", "newmtl a\nKd 0.3 0.3 0.3\n")]).unwrap();
+    assert!(warnings.is_empty() && scene.materials.raw[0].reflectance.x == 0.3, "{warnings:?}");
+}
+
+#[test]
+fn a_bow_tie_is_left_out_with_its_reason() {
+    let text = "v 0 0 0\nv 0 0 4\nv 4 0 0\nv 4 0 4\nf 1 2 3 4\nf 1 2 4\n";
+    let (scene, warnings) = read(text).unwrap();
+    assert_eq!(scene.polygon_count(), 1);
+    assert!(warnings.contains(&Warning::CrossedLeftOut { polygons: 1 }), "{warnings:?}");
 }

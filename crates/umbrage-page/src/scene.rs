@@ -228,7 +228,16 @@ mod tests {
     fn file(parts: Vec<BakedFilePart>) -> BakedFile {
         let images = vec![Vec::new(), b"image".to_vec()];
         let (name, cameras) = (String::new(), Vec::new());
-        BakedFile { name, origin_m: DVec3::X, parts, cameras, images, exposure_k: 1.0, extras: Map::new() }
+        BakedFile {
+            name,
+            origin_m: DVec3::X,
+            parts,
+            cameras,
+            images,
+            exposure_k: 1.0,
+            photometric: false,
+            extras: Map::new(),
+        }
     }
 
     fn outside() -> Camera {

@@ -44,6 +44,7 @@ pub struct MeanColor {
     size: [usize; 2],
     cells: Vec<Seen>,
     whole: Seen,
+    has_alpha: bool,
 }
 
 impl MeanColor {
@@ -68,7 +69,13 @@ impl MeanColor {
         let whole = cells.iter().fold(Seen::default(), |sum, cell| sum.plus(1.0 / (width * height) as f64, cell.0));
         let cells =
             cells.into_iter().map(|(sum, count)| Seen::default().plus(1.0 / f64::max(count, 1.0), sum)).collect();
-        Ok(Self { size, cells, whole })
+        let has_alpha = alpha && codes.iter().any(|texel| texel[3] < u8::MAX);
+        Ok(Self { size, cells, whole, has_alpha })
+    }
+
+    /// Whether its alpha counts, and is less than 1 somewhere.
+    pub fn has_alpha(&self) -> bool {
+        self.has_alpha
     }
 
     /// The mean of the whole image.
@@ -128,6 +135,7 @@ mod tests {
     #[test]
     fn the_mean_weighs_light_by_alpha() {
         assert_eq!(halves(false).whole().color(), [0.5; 3]);
+        assert!(halves(true).has_alpha() && !halves(false).has_alpha());
         let seen = halves(true).whole();
         assert!((seen.alpha - 0.6).abs() < 1e-12 && (seen.color()[0] - 0.5 / 0.6).abs() < 1e-12, "{seen:?}");
         // The mean is of light, not of codes.

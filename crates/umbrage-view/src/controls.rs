@@ -47,6 +47,7 @@ impl Controls {
 
     /// Takes over what the options say of a file that is opened for the first time.
     pub(crate) fn show_first(&mut self, look: &LookArgs, lines: LineArgs, file: &BakedFile) {
+        self.unit = self.unit.in_file(file);
         self.look = first_look(look, lines, file);
     }
 
@@ -93,7 +94,7 @@ mod tests {
         let (plain, look) = controls("view");
         assert_eq!((look.show, look.exposure, look.tone, look.wire), (Show::Surfaces, 1.0, Tone::Off, false));
         assert!(plain.degrees == [false; 3] && !plain.patches);
-        let (lines, look) = controls("view --wireframe --segments --patches 4 --tone filmic --exposure 2");
+        let (lines, look) = controls("view --wireframe --segments --patches 4 --tone filmic --brighter 2");
         assert_eq!((lines.degrees, lines.patches, lines.level), ([true; 3], true, 4));
         assert_eq!((look.tone, look.exposure, look.wire), (Tone::Filmic, 2.0, true));
     }

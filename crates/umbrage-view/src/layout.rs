@@ -153,6 +153,7 @@ pub(crate) mod tests {
             cameras: Vec::new(),
             images: Vec::new(),
             exposure_k: 1.0,
+            photometric: false,
             extras: Map::new(),
         };
         Shown::new(file, Path::new("test.glb")).unwrap()

@@ -49,7 +49,7 @@ pub struct ViewOptions {
 
 /// The scale of false colours: its unit, and where it ends in it.
 pub(crate) fn first_scale(look: &LookArgs, file: &BakedFile) -> (Unit, f64) {
-    let unit = look.false_color.unwrap_or(Unit::W);
+    let unit = look.false_color.unwrap_or(Unit::W).in_file(file);
     (unit, look.scale_end.unwrap_or_else(|| unit.scale_end(file)))
 }
 
@@ -62,7 +62,7 @@ pub(crate) fn first_look(look: &LookArgs, lines: LineArgs, file: &BakedFile) -> 
             Colors::Light => Show::Light,
             Colors::Irradiance => Show::Irradiance,
         },
-        exposure: look.exposure as f32,
+        exposure: look.brighter(file) as f32,
         tone: look.tone(),
         scale_end: (end / unit.per_file_unit()) as f32,
         wire: lines.wireframe,

@@ -115,7 +115,7 @@ fn expected(path: &Path, words: &str, lines: impl FnOnce(&Shown, &umbrage_pictur
         height: size.height,
         look: match scale {
             Some((unit, end)) => Look::FalseColor { end: (end / unit.per_file_unit()) as f32 },
-            None => Look::Display { exposure: look.exposure as f32, tone: look.tone() },
+            None => Look::Display { exposure: look.brighter(&shown.file) as f32, tone: look.tone() },
         },
         ..RenderSettings::default()
     };
@@ -147,8 +147,8 @@ fn the_window_shows_the_picture_but_for_pixels_on_edges() {
     let all = |words| gpus.iter().map(move |gpu| (words, gpu));
     let looks = [
         "",
-        "--exposure 2.5",
-        "--exposure 3 --tone filmic",
+        "--brighter 2.5",
+        "--brighter 3 --tone filmic",
         "--light-only",
         "--false-color lx --scale-end 2000",
         "--false-color",
@@ -202,7 +202,7 @@ fn what_stands_behind_a_black_wall_is_hidden() {
     let bake = bake(&read, &coarse(), Progress::silent()).unwrap();
     write_baked_glb(&read, &bake.mesh, &facts(&coarse(), &bake.report, None), &baked).unwrap();
     // Bright, so that a sample that comes through is an edge, and a strip is not.
-    let words = "--exposure 8 --eye 14,1.5,2 --target 5,1.5,0 --fov 30";
+    let words = "--brighter 8 --eye 14,1.5,2 --target 5,1.5,0 --fov 30";
     let picture = expected(&baked, words, |_, _| Vec::new());
     assert!(codes(&picture).contains(&[0; 3]), "the black wall is in sight");
     for gpu in gpus() {

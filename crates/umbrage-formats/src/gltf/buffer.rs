@@ -6,7 +6,7 @@
 use std::cell::{Cell, OnceCell};
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use base64::Engine;
 use base64::alphabet;
@@ -15,7 +15,7 @@ use percent_encoding::percent_decode_str;
 
 use super::item::Item;
 use crate::FormatError;
-use crate::beside::Folder;
+use crate::beside::{self, Folder};
 
 /// Base64 as it is found: with or without padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -142,8 +142,8 @@ impl Buffers {
             bad(buffer, format!("{what}: {}", shortened(uri)), "put the file beside the glTF, or export as .glb")
         })?;
         self.folder.read(&relative).map_err(|what| {
-            let path = self.folder.join(&relative);
-            bad(buffer, format!("{} {what}", path.display()), "put the file beside the glTF, or export as .glb")
+            let path = self.folder.join(&relative).display().to_string();
+            bad(buffer, format!("{} {what}", shortened(&path)), "put the file beside the glTF, or export as .glb")
         })
     }
 }
@@ -158,12 +158,7 @@ fn relative_path(uri: &str) -> Result<PathBuf, &'static str> {
     if decoded.is_empty() || decoded.contains('\0') {
         return Err("its uri is not a path");
     }
-    let path = Path::new(decoded.as_ref());
-    if path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
-        Ok(path.to_path_buf())
-    } else {
-        Err("its uri leaves the folder of the glTF")
-    }
+    beside::relative_path(Path::new(""), &decoded).map_err(|_| "its uri is not a relative path")
 }
 
 /// The bytes of a data URI, without its scheme.
@@ -171,8 +166,9 @@ fn data_uri(uri: &str) -> Result<Vec<u8>, String> {
     let (kind, data) = uri.split_once(',').ok_or("its data URI has no comma")?;
     let decoded = percent_decode_str(data);
     if kind.ends_with(";base64") {
-        let text = std::borrow::Cow::from(decoded);
-        BASE64.decode(text.as_ref()).map_err(|e| format!("its data URI is not Base64: {e}"))
+        // Line breaks and blanks are no part of Base64, and are found in it all the same.
+        let text: Vec<u8> = decoded.filter(|byte| !byte.is_ascii_whitespace()).collect();
+        BASE64.decode(&text).map_err(|e| format!("its data URI is not Base64: {e}"))
     } else {
         Ok(decoded.collect())
     }
@@ -196,10 +192,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn paths_stay_in_the_folder() {
+    fn paths_are_relative() {
         assert_eq!(relative_path("a%20b/c.bin"), Ok(PathBuf::from("a b/c.bin")));
-        assert_eq!(relative_path("./c.bin"), Ok(PathBuf::from("./c.bin")));
-        for uri in ["../c.bin", "%2e%2e/c.bin", "/etc/passwd", "a/../../c", "https://x/y.bin", "file:///x", "", "%00"] {
+        for uri in ["./c.bin", "./sub/../c.bin", "sub\\..\\c.bin", "sub%5c..%5Cc.bin"] {
+            assert_eq!(relative_path(uri), Ok(PathBuf::from("c.bin")), "{uri}");
+        }
+        for uri in ["/etc/passwd", "%2fetc", "https://x/y.bin", "file:///x", "", "%00"] {
             assert!(relative_path(uri).is_err(), "{uri}");
         }
     }
@@ -209,6 +207,7 @@ mod tests {
         assert_eq!(data_uri("application/octet-stream;base64,AAEC").unwrap(), [0, 1, 2]);
         assert_eq!(data_uri(";base64,AAE").unwrap(), [0, 1]);
         assert_eq!(data_uri(",a%20b").unwrap(), b"a b");
+        assert_eq!(data_uri("x;base64,AA\r\n EC%0A").unwrap(), [0, 1, 2]);
         assert!(data_uri(";base64,%%%").is_err() && data_uri("nothing").is_err());
         assert_eq!(strip_scheme("DATA:x", "data:"), Some("x"));
         assert_eq!(strip_scheme("é", "data:"), None);

@@ -198,6 +198,8 @@ pub(super) fn slice(bytes: &[u8], offset: usize, length: usize) -> Result<&[u8],
 
 fn parse_json(file: &str, bytes: &[u8]) -> Result<Value, FormatError> {
     let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    // The chunk should be padded with blanks, and some exporters pad it like the other one.
+    let text = &text[..text.iter().rposition(|&byte| byte != 0 && byte != b' ').map_or(0, |last| last + 1)];
     serde_json::from_slice(text).map_err(|e| FormatError::BadJson { file: file.to_owned(), what: e.to_string() })
 }
 

@@ -9,8 +9,9 @@
 //! With an image on it, a surface that reflects shows base colour times image times light, and one that emits by an image shows
 //! that image, times `k` and cut off at white, and nothing of what it reflects.
 //!
-//! `k` is one over the value of `E / pi`, brightest channel, that 99.5 % of the area of all reflecting surfaces stays
-//! below: spots close to a lamp may clip, and do not darken the rest.
+//! `k` is one over the value of `E / pi`, brightest channel, that 99.5 % of the area of the reflecting surfaces that are lit stays
+//! below, to three digits: spots close to a lamp may clip, and do not darken the rest. Surfaces with less than a hundredth of the mean light
+//! do not count: however large the dark outside of a house is, it says nothing of how bright its rooms are.
 
 use std::f64::consts::PI;
 
@@ -22,13 +23,23 @@ use umbrage::shade::{BakedMesh, BakedPart};
 /// Share of the lit area, in percent, that is shown unclipped.
 pub(super) const PERCENTILE: f64 = 99.5;
 
+/// What has less than this share of the mean light is not lit.
+const LIT_SHARE: f64 = 0.01;
+
 /// The exposure for a mesh: see the head of this file. 1 if all is dark.
 pub(super) fn choose(scene: &Scene, baked: &BakedMesh) -> f64 {
     let reflected = |_: &Material, e: Rgb| e / PI;
-    let shown = |m: &Material, e: Rgb| m.radiance + m.reflectance * e / PI;
+    let shown = |m: &Material, e: Rgb| m.shown_radiance() + m.reflectance * e / PI;
     let reflecting = values(scene, baked, false, reflected);
     let bright = percentile(reflecting).or_else(|| percentile(values(scene, baked, true, shown)));
-    bright.map_or(1.0, |bright| 1.0 / bright.max(f64::MIN_POSITIVE))
+    bright.map_or(1.0, |bright| three_digits(1.0 / bright.max(f64::MIN_POSITIVE)))
+}
+
+/// The greatest number of three digits that is not above one: what is told can be given back, and clips no more.
+fn three_digits(k: f64) -> f64 {
+    let unit = 10.0_f64.powf(k.log10().floor() - 2.0);
+    // Digits are written and read again, so that they are those of the number that is told.
+    format!("{:.2e}", unit * (k / unit).floor()).parse().unwrap_or(k)
 }
 
 /// A value and an area at each triangle's corner, over the parts that emit or those that do not.
@@ -36,7 +47,7 @@ fn values(scene: &Scene, baked: &BakedMesh, emitting: bool, value: impl Fn(&Mate
     let mut values = Vec::new();
     for part in &baked.parts {
         let material = material_of(scene, part);
-        if material.emits() != emitting {
+        if material.shines() != emitting {
             continue;
         }
         for triangle in &part.triangles {
@@ -51,6 +62,9 @@ fn values(scene: &Scene, baked: &BakedMesh, emitting: bool, value: impl Fn(&Mate
 /// The value that [`PERCENTILE`] of the area stays below; the greatest if that is 0; `None` if all are 0.
 fn percentile(mut values: Vec<(f64, f64)>) -> Option<f64> {
     values.sort_by(|x, y| x.0.total_cmp(&y.0));
+    let mean = values.iter().map(|(value, area)| value * area).sum::<f64>()
+        / values.iter().map(|(_, area)| area).sum::<f64>().max(f64::MIN_POSITIVE);
+    values.retain(|(value, _)| *value >= LIT_SHARE * mean);
     let total: f64 = values.iter().map(|(_, area)| area).sum();
     let mut below = 0.0;
     let found = values.iter().find(|(_, area)| {
@@ -71,7 +85,7 @@ pub(super) fn base_colours(scene: &Scene, baked: &BakedMesh, k: f64) -> Table<Ma
     let pairs = scene.materials.iter().zip(&brightest);
     pairs
         .map(|(material, &most)| {
-            let base = match (material.emits(), &material.look.texture) {
+            let base = match (material.shines(), &material.look.texture) {
                 (true, Some(texture)) => k * texture.factor,
                 (true, None) => emitted_and_reflected(material, most, k),
                 (false, Some(texture)) => texture.factor,
@@ -84,7 +98,7 @@ pub(super) fn base_colours(scene: &Scene, baked: &BakedMesh, k: f64) -> Table<Ma
 
 /// `COLOR_0` of a vertex before clipping.
 pub(super) fn colour(material: &Material, base: Rgb, irradiance: Rgb, k: f64) -> Rgb {
-    if !material.emits() {
+    if !material.shines() {
         return irradiance * (k / PI);
     }
     if material.look.texture.is_some() {
@@ -96,7 +110,7 @@ pub(super) fn colour(material: &Material, base: Rgb, irradiance: Rgb, k: f64) ->
 }
 
 fn emitted_and_reflected(material: &Material, irradiance: Rgb, k: f64) -> Rgb {
-    k * (material.radiance + material.reflectance * irradiance / PI)
+    k * (material.shown_radiance() + material.reflectance * irradiance / PI)
 }
 
 /// The mean of `COLOR_0` over all that only reflects, at most white.

@@ -32,7 +32,7 @@ impl<'a> Item<'a> {
     pub(super) fn named(file: &'a str, place: String, value: &'a Value) -> Result<Self, FormatError> {
         let mut item = Self::new(file, place, value)?;
         if let Some(name) = item.name() {
-            item.place = format!("{} {name:?}", item.place);
+            item.place = format!("{} {:?}", item.place, crate::text::shortened(name));
         }
         Ok(item)
     }

@@ -15,8 +15,10 @@ use umbrage::scene::{Alpha, Look, Material, Rgb, Texture};
 use super::base_texture::BaseTexture;
 use super::document::{Document, List};
 use super::item::Item;
+use super::primitive::VertexAlpha;
 use super::tally::Tally;
-use crate::FormatError;
+use super::texture::ShownTexture;
+use crate::{FormatError, ReadOptions};
 
 /// What glTF gives a mask that says nothing.
 const DEFAULT_CUTOFF: f64 = 0.5;
@@ -41,14 +43,54 @@ pub(super) struct GltfMaterial {
     pub(super) base: Option<BaseTexture>,
     /// The texture of its emission.
     pub(super) emission: Option<BaseTexture>,
-    /// Why light passes through unchanged, if it does.
-    pub(super) seen_through: Option<SeenThrough>,
+    /// Whether it transmits most of the light.
+    is_glass: bool,
+    /// Whether its base colour is to have a texture, whether that can be had or not.
+    names_texture: bool,
+}
+
+/// What alpha makes of a material on one primitive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Passing {
+    /// It blocks light. `emits` is the share of its emission that is seen: an emitter that is blended gives alpha times its light.
+    Blocks { alpha: Alpha, emits: f64 },
+    /// Light passes through unchanged.
+    SeenThrough { why: SeenThrough, alpha: Alpha },
+    /// Nothing of it is seen anywhere.
+    Invisible,
 }
 
 impl GltfMaterial {
     /// Whether the alpha of its image says what is seen of it.
     pub(super) fn has_alpha(&self) -> bool {
         self.plain.look.alpha != Alpha::Opaque
+    }
+
+    /// What light does, where its vertices have this alpha and its base colour this texture; `emits` says whether it emits there.
+    pub(super) fn passing(&self, vertices: VertexAlpha, base: Option<&ShownTexture>, emits: bool) -> Passing {
+        let blocks = |alpha| Passing::Blocks { alpha, emits: 1.0 };
+        match self.plain.look.alpha {
+            Alpha::Opaque => blocks(Alpha::Opaque),
+            Alpha::Mask { alpha, cutoff } if alpha * vertices.most < cutoff => Passing::Invisible,
+            Alpha::Mask { alpha, cutoff } => blocks(Alpha::Mask { alpha, cutoff }),
+            Alpha::Blend { .. } if self.is_glass && emits => blocks(Alpha::Opaque),
+            alpha @ Alpha::Blend { .. } if self.is_glass => Passing::SeenThrough { why: SeenThrough::Glass, alpha },
+            Alpha::Blend { alpha } if alpha * vertices.most == 0.0 => Passing::Invisible,
+            // Exporters write BLEND for much that has neither an alpha below 1 nor a texture that has one.
+            Alpha::Blend { alpha } => {
+                let may_pass = base.map_or(self.names_texture, |base| base.has_alpha);
+                let is_solid = alpha * vertices.least >= 1.0 && !may_pass;
+                let alpha = alpha * vertices.mean;
+                match (is_solid, emits) {
+                    (true, _) => blocks(Alpha::Opaque),
+                    (false, true) => {
+                        let emits = alpha * base.map_or(1.0, |base| base.opacity);
+                        Passing::Blocks { alpha: Alpha::Opaque, emits }
+                    }
+                    (false, false) => Passing::SeenThrough { why: SeenThrough::Blended, alpha: Alpha::Blend { alpha } },
+                }
+            }
+        }
     }
 
     /// What it emits without texture, in W/(m2 sr).
@@ -73,7 +115,12 @@ pub(super) struct Shown {
     pub(super) emits: Rgb,
     /// What is seen on it.
     pub(super) texture: Option<Texture>,
+    /// How it lets through what is behind it.
+    pub(super) alpha: Alpha,
 }
+
+/// A material of the file on a primitive, as bits: its number, what it reflects and emits, the image on it, its alpha where it is blended.
+type Outcome = (usize, [u64; 6], Option<usize>, Option<u64>);
 
 /// The materials of the file, and those of the scene that they have become.
 #[derive(Debug)]
@@ -82,7 +129,7 @@ pub(super) struct Materials {
     /// Those of the scene, the file's first.
     pub(super) all: Table<MaterialId, Material>,
     /// By the file's number and the bits of what is different.
-    known: BTreeMap<(usize, [u64; 6], Option<usize>), MaterialId>,
+    known: BTreeMap<Outcome, MaterialId>,
     /// The material of the scene that each of the file's becomes first, until it has.
     free: Vec<Option<MaterialId>>,
     /// Whether each of the file's reflects more than the cap somewhere.
@@ -93,13 +140,18 @@ pub(super) struct Materials {
 
 impl Materials {
     /// All materials of a document, in order, named by number if they have no name.
-    pub(super) fn read(document: &Document, max_reflectance: f64, tally: &mut Tally) -> Result<Self, FormatError> {
-        let cap = Rgb::splat(max_reflectance.clamp(0.0, 1.0));
+    pub(super) fn read(document: &Document, options: &ReadOptions, tally: &mut Tally) -> Result<Self, FormatError> {
+        let cap = Rgb::splat(options.max_reflectance.clamp(0.0, 1.0));
         let mut of_file = Vec::new();
         for index in 0..document.count(List::Materials)? {
             let item = document.item(List::Materials, index, "the document")?;
             let name = item.name().map_or_else(|| format!("material {index}"), str::to_owned);
-            of_file.push(read(document, &item, name, tally)?);
+            let mut material = read(document, &item, name, tally)?;
+            if options.dark.contains(&material.plain.name) {
+                material.plain.radiance = Rgb::ZERO;
+                material.emission = None;
+            }
+            of_file.push(material);
         }
         let plain = |material: &GltfMaterial| Material {
             reflectance: material.plain.reflectance.min(cap),
@@ -119,17 +171,27 @@ impl Materials {
             let first = Material { reflectance: self.cap, ..plain.clone() };
             self.free.push(Some(self.all.push_and_get_key(first)));
             self.capped.push(plain.reflectance.cmpgt(self.cap).any());
-            self.of_file.push(GltfMaterial { plain, base: None, emission: None, seen_through: None });
+            self.of_file.push(GltfMaterial {
+                plain,
+                base: None,
+                emission: None,
+                is_glass: false,
+                names_texture: false,
+            });
             self.of_file.len() - 1
         })
     }
 
     /// The material of the scene for a material of the file as a primitive shows it.
     pub(super) fn shown(&mut self, number: usize, shown: Shown) -> MaterialId {
-        let Shown { reflects, tint, emits, texture } = shown;
+        let Shown { reflects, tint, emits, texture, alpha } = shown;
         let bits = [reflects * tint, emits].map(|colour| colour.to_array().map(f64::to_bits));
-        let key =
-            (number, [bits[0], bits[1]].as_flattened().try_into().unwrap_or([0; 6]), texture.map(|t| t.image.index()));
+        let blended = match alpha {
+            Alpha::Blend { alpha } => Some(alpha.to_bits()),
+            Alpha::Opaque | Alpha::Mask { .. } => None,
+        };
+        let bits = [bits[0], bits[1]].as_flattened().try_into().unwrap_or([0; 6]);
+        let key = (number, bits, texture.map(|t| t.image.index()), blended);
         if let Some(&known) = self.known.get(&key) {
             return known;
         }
@@ -139,7 +201,7 @@ impl Materials {
         let material = Material {
             reflectance: uncapped.min(self.cap) * tint,
             radiance: plain.radiance * emits,
-            look: Look { texture, ..plain.look.clone() },
+            look: Look { texture, alpha, ..plain.look.clone() },
             ..plain.clone()
         };
         let id = match self.free[number].take() {
@@ -166,26 +228,6 @@ fn transmission(item: &Item<'_>) -> Result<f64, FormatError> {
     Ok(extension.number("transmissionFactor")?.unwrap_or(0.0).clamp(0.0, 1.0))
 }
 
-/// Whether a material is blended (`alphaMode` BLEND), and not opaque all the same. Exporters write BLEND for much that has
-/// neither an alpha below 1 nor a texture that could have one.
-fn is_blended(item: &Item<'_>) -> Result<bool, FormatError> {
-    if item.text("alphaMode")? != Some("BLEND") {
-        return Ok(false);
-    }
-    let metallic = item.child("pbrMetallicRoughness")?;
-    let glossy = item.extension("KHR_materials_pbrSpecularGlossiness")?;
-    for (holder, factor, texture) in
-        [(glossy, "diffuseFactor", "diffuseTexture"), (metallic, "baseColorFactor", "baseColorTexture")]
-    {
-        let Some(holder) = holder else { continue };
-        let [.., alpha] = holder.numbers::<4>(factor)?.unwrap_or([1.0; 4]);
-        if alpha < 1.0 || holder.get(texture).is_some() {
-            return Ok(true);
-        }
-    }
-    Ok(false)
-}
-
 fn read(document: &Document, item: &Item<'_>, name: String, tally: &mut Tally) -> Result<GltfMaterial, FormatError> {
     let metallic = item.child("pbrMetallicRoughness")?;
     let glossy = item.extension("KHR_materials_pbrSpecularGlossiness")?;
@@ -194,6 +236,7 @@ fn read(document: &Document, item: &Item<'_>, name: String, tally: &mut Tally) -
         (None, metallic) => (metallic, "baseColorFactor", "baseColorTexture"),
     };
     let (mut base, mut alpha, mut texture) = (Rgb::ONE, 1.0, None);
+    let names_texture = holder.as_ref().is_some_and(|holder| holder.get(slot).is_some());
     if let Some(holder) = &holder {
         if let Some([.., a]) = holder.numbers::<4>(factor)? {
             alpha = a.clamp(0.0, 1.0);
@@ -217,29 +260,26 @@ fn read(document: &Document, item: &Item<'_>, name: String, tally: &mut Tally) -
         return Err(item.bad("emissiveFactor", "is too large"));
     }
     let transmission = transmission(item)?;
-    let seen_through = if is_blended(item)? {
-        Some(SeenThrough::Blended)
-    } else {
-        (transmission >= GLASS).then_some(SeenThrough::Glass)
-    };
-    tally.opaque_glass += usize::from(transmission > 0.0 && seen_through.is_none());
-    let alpha = match (seen_through, item.text("alphaMode")?) {
-        (Some(SeenThrough::Blended), _) => Alpha::Blend { alpha },
+    let mode = item.text("alphaMode")?;
+    let is_glass = transmission >= GLASS && mode != Some("BLEND");
+    tally.opaque_glass += usize::from(transmission > 0.0 && transmission < GLASS && mode != Some("BLEND"));
+    let alpha = match mode {
+        Some("BLEND") => Alpha::Blend { alpha },
         // What is not transmitted is seen of it.
-        (Some(SeenThrough::Glass), _) => Alpha::Blend { alpha: 1.0 - transmission },
-        (None, Some("MASK")) => {
+        _ if is_glass => Alpha::Blend { alpha: 1.0 - transmission },
+        Some("MASK") => {
             let cutoff = item.number("alphaCutoff")?.unwrap_or(DEFAULT_CUTOFF).max(0.0);
             Alpha::Mask { alpha, cutoff }
         }
-        (None, _) => Alpha::Opaque,
+        _ => Alpha::Opaque,
     };
     tally.masked_materials += usize::from(matches!(alpha, Alpha::Mask { .. }));
     let emission = (radiance != Rgb::ZERO)
         .then(|| usable(BaseTexture::in_slot(document, item, "emissiveTexture"), tally))
         .flatten();
-    let look = Look { texture: None, alpha, extras: item.json("extras") };
+    let look = Look { alpha, extras: item.json("extras"), ..Look::default() };
     let plain = Material { radiance, double_sided: item.flag("doubleSided")?, look, ..Material::diffuse(name, base) };
-    Ok(GltfMaterial { plain, base: texture, emission, seen_through })
+    Ok(GltfMaterial { plain, base: texture, emission, is_glass, names_texture })
 }
 
 /// A texture, unless something is wrong with it, or its image is only there in a format that is not read.

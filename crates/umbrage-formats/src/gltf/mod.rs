@@ -1,7 +1,7 @@
 //! glTF 2.0: scenes in, baked GLB out and in again.
 //!
 //! ```text
-//! container, item -> buffer -> document -> tally; meshopt, draco -> unpack -> accessor -> base_texture -> material, node, primitive -> texture -> read
+//! container, item -> buffer -> document -> tally; meshopt, draco -> unpack -> accessor -> base_texture -> node -> skin -> primitive -> texture -> material -> read
 //!                                                                          camera, node, primitive -> read_baked
 //! container, write_buffer, exposure -> write_material, write_camera, see_through -> write
 //! ```
@@ -24,6 +24,7 @@ mod primitive;
 mod read;
 mod read_baked;
 mod see_through;
+mod skin;
 mod tally;
 mod texture;
 mod unpack;

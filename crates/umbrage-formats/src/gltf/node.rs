@@ -22,6 +22,12 @@ pub(super) struct Placed<'a> {
     pub(super) parent: Option<usize>,
     /// From its own space to the world, metres.
     pub(super) world: DAffine3,
+    /// The rotations alone, without any scale; unknown where a matrix has no axes.
+    pub(super) turned: Option<DMat3>,
+    /// Its number in the file.
+    pub(super) number: usize,
+    /// Whether it and all above it are visible (`KHR_node_visibility`).
+    pub(super) visible: bool,
 }
 
 /// The nodes of the default scene, parents before children; of all roots if the file has no scene.
@@ -52,13 +58,17 @@ pub(super) fn hierarchy<'a>(document: &'a Document, tally: &mut Tally) -> Result
             return Err(refused(&item, format!("is more than {MAX_DEPTH} levels deep")));
         }
         let local = transform(&item)?;
-        let world = parent.map_or(local, |parent: usize| placed[parent].world * local);
+        let above = parent.map(|parent: usize| &placed[parent]);
+        let world = above.map_or(local, |above| above.world * local);
+        let turned = axes(&item, &local)?;
+        let turned = above.map_or(Some(DMat3::IDENTITY), |above| above.turned).and_then(|above| Some(above * turned?));
+        let visible = above.is_none_or(|above| above.visible) && is_visible(&item)?;
         if !world.is_finite() {
             return Err(refused(&item, "its transform is not finite"));
         }
         let children = item.wholes("children")?;
         stack.extend(children.into_iter().rev().map(|child| (child, Some(placed.len()), depth + 1)));
-        placed.push(Placed { item, parent, world });
+        placed.push(Placed { item, parent, world, turned, number: node, visible });
     }
     // A cycle hangs from no root, so the walk from the roots does not meet it.
     if let Some(node) = cycle(&seen, &parents) {
@@ -110,6 +120,26 @@ fn transform(node: &Item<'_>) -> Result<DAffine3, FormatError> {
         rotation,
         vector("translation")?.unwrap_or(DVec3::ZERO),
     ))
+}
+
+/// A node's own rotation: its quaternion, or the directions of its matrix' axes, if these have any.
+fn axes(node: &Item<'_>, local: &DAffine3) -> Result<Option<DMat3>, FormatError> {
+    if node.get("matrix").is_none() {
+        let rotation = node.numbers::<4>("rotation")?;
+        return Ok(rotation.map_or(Some(DQuat::IDENTITY), turn).map(DMat3::from_quat));
+    }
+    let DMat3 { x_axis, y_axis, z_axis } = local.matrix3;
+    let axes = [x_axis, y_axis, z_axis].map(DVec3::try_normalize);
+    Ok(match axes {
+        [Some(x), Some(y), Some(z)] => Some(DMat3::from_cols(x, y, z)),
+        _ => None,
+    })
+}
+
+/// Whether a node shows itself and what hangs below it, by `KHR_node_visibility`.
+fn is_visible(node: &Item<'_>) -> Result<bool, FormatError> {
+    let Some(extension) = node.extension("KHR_node_visibility")? else { return Ok(true) };
+    Ok(extension.get("visible").is_none() || extension.flag("visible")?)
 }
 
 /// A unit quaternion from one that rounding or a careless exporter left unnormalized.

@@ -3,7 +3,7 @@
 //! Only the vertices that are referred to are taken, in the order of their numbers: exporters often let a hundred
 //! primitives share one table. Triangles without area are left for `prepare`, which counts them.
 
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 use umbrage::scene::Rgb;
 
 use super::accessor::{Accessor, Component};
@@ -12,6 +12,7 @@ use super::document::Document;
 use super::item::Item;
 use super::morph::Displacements;
 use super::node;
+use super::skin::{Placing, Pose};
 use super::tally::{PRIMITIVE_COST, Tally};
 use crate::FormatError;
 
@@ -41,6 +42,22 @@ pub(super) struct Polygons {
     pub(super) triangles: Vec<[u32; 3]>,
     /// What the colours of the vertices multiply the reflectance with.
     pub(super) colour: Rgb,
+    /// What they multiply alpha with.
+    pub(super) alpha: VertexAlpha,
+}
+
+/// Alpha of the colours of vertices, 0 to 1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct VertexAlpha {
+    pub(super) least: f64,
+    pub(super) most: f64,
+    /// Over the area.
+    pub(super) mean: f64,
+}
+
+impl VertexAlpha {
+    /// Where vertices have none.
+    const OPAQUE: Self = Self { least: 1.0, most: 1.0, mean: 1.0 };
 }
 
 /// A primitive's polygons in the world, or nothing if it has none. `place` names node, mesh and primitive; `weights` are those of
@@ -49,7 +66,7 @@ pub(super) fn polygons(
     document: &Document,
     primitive: &Item<'_>,
     place: &str,
-    (world, weights): (&DAffine3, &[f64]),
+    (pose, weights): (&Pose, &[f64]),
     tally: &mut Tally,
 ) -> Result<Option<Polygons>, FormatError> {
     tally.unfold(PRIMITIVE_COST, document, place)?;
@@ -60,7 +77,8 @@ pub(super) fn polygons(
     };
     let positions = Accessor::open(document, position, &format!("{place}, POSITION"), &[3], &POSITIONS)?;
     tally.unfold(positions.sparse_count(), document, place)?;
-    let mirrored = world.matrix3.determinant() < 0.0;
+    let placing = pose.of_primitive(document, attributes.as_ref(), place, tally)?;
+    let mirrored = placing.is_mirrored();
     let triangles = triangles(document, primitive, place, positions.count, mirrored, tally)?;
     if triangles.is_empty() {
         return Ok(None);
@@ -79,12 +97,12 @@ pub(super) fn polygons(
         None => None,
     };
     let moved = Displacements::of(document, primitive, (place, "POSITION"), weights, tally)?;
-    let mut polygons = place_in_world(document, (&positions, &moved), &used, triangles, world)?;
+    let mut polygons = place_in_world(document, (&positions, &moved), &used, triangles, &placing)?;
     if let Some(colours) = colours {
-        polygons.colour = average_colour(&colours, &used, &polygons, tally);
+        (polygons.colour, polygons.alpha) = average_colour(&colours, &used, &polygons, tally);
     }
     let turned = Displacements::of(document, primitive, (place, "NORMAL"), weights, tally)?;
-    polygons.normals = normals(document, (attributes.as_ref(), &turned), place, &used, world, tally)?;
+    polygons.normals = normals(document, (attributes.as_ref(), &turned), place, &used, &placing, tally)?;
     polygons.used = used;
     Ok(Some(polygons))
 }
@@ -95,17 +113,21 @@ fn normals(
     (attributes, turned): (Option<&Item<'_>>, &Displacements<'_>),
     place: &str,
     used: &[u32],
-    world: &DAffine3,
+    placing: &Placing<'_>,
     tally: &mut Tally,
 ) -> Result<Vec<DVec3>, FormatError> {
     let Some(normal) = attributes.map(|a| a.whole("NORMAL")).transpose()?.flatten() else { return Ok(Vec::new()) };
     let normals = Accessor::open(document, normal, &format!("{place}, NORMAL"), &[3], &NORMALS)?;
     tally.unfold(normals.sparse_count(), document, place)?;
-    let turn = node::normal_matrix(world);
+    let of_all = match placing {
+        Placing::Rigid(world) => Some(node::normal_matrix(world)),
+        Placing::Skinned { .. } => None,
+    };
+    let turn = |vertex: usize| of_all.unwrap_or_else(|| node::normal_matrix(&placing.at(vertex)));
     let one = |&vertex: &u32| {
         let vertex = vertex as usize;
         let normal = (vertex < normals.count)
-            .then(|| turn * (DVec3::from(normals.element::<3>(vertex, 0.0)) + turned.at(vertex)));
+            .then(|| turn(vertex) * (DVec3::from(normals.element::<3>(vertex, 0.0)) + turned.at(vertex)));
         normal.and_then(DVec3::try_normalize)
     };
     Ok(used.iter().map(one).collect::<Option<_>>().unwrap_or_default())
@@ -134,28 +156,31 @@ pub(super) fn places_in_texture(
     Ok(used.iter().map(one).collect())
 }
 
-/// The colour of a primitive's vertices, averaged over its area where it varies. Channels are cut to 0 to 1.
-fn average_colour(colours: &Accessor<'_>, used: &[u32], polygons: &Polygons, tally: &mut Tally) -> Rgb {
+/// The colour of a primitive's vertices, averaged over its area where it varies, and their alpha. Channels are cut to 0 to 1.
+fn average_colour(colours: &Accessor<'_>, used: &[u32], polygons: &Polygons, tally: &mut Tally) -> (Rgb, VertexAlpha) {
     let of_vertex = |vertex: u32| {
         let vertex = vertex as usize;
-        let colour = if vertex < colours.count { colours.element::<3>(vertex, 1.0) } else { [1.0; 3] };
-        Rgb::from(colour.map(|channel| if channel.is_nan() { 0.0 } else { channel.clamp(0.0, 1.0) }))
+        // The element of a colour without alpha is filled up with what stands behind.
+        let colour = if vertex < colours.count { colours.element::<4>(vertex, 1.0) } else { [1.0; 4] };
+        DVec4::from(colour.map(|channel| if channel.is_nan() { 0.0 } else { channel.clamp(0.0, 1.0) }))
     };
-    let all: Vec<Rgb> = used.iter().map(|&vertex| of_vertex(vertex)).collect();
-    let Some(&first) = all.first() else { return Rgb::ONE };
+    let all: Vec<DVec4> = used.iter().map(|&vertex| of_vertex(vertex)).collect();
+    let Some(&first) = all.first() else { return (Rgb::ONE, VertexAlpha::OPAQUE) };
+    let (least, most) = all.iter().fold((1.0, 0.0), |(least, most): (f64, f64), c| (least.min(c.w), most.max(c.w)));
+    let with = |mean: DVec4| (mean.truncate(), VertexAlpha { least, most, mean: mean.w });
     if all.iter().all(|&colour| colour == first) {
-        return first;
+        return with(first);
     }
-    tally.varying_colours += 1;
-    let (mut sum, mut total) = (Rgb::ZERO, 0.0);
+    tally.varying_colours += usize::from(all.iter().any(|colour| colour.truncate() != first.truncate()));
+    let (mut sum, mut total) = (DVec4::ZERO, 0.0);
     for triangle in &polygons.triangles {
         let [a, b, c] = triangle.map(|i| polygons.positions_m[i as usize]);
         let area = (b - a).cross(c - a).length();
-        let colour: Rgb = triangle.iter().map(|&i| all[i as usize]).sum();
+        let colour: DVec4 = triangle.iter().map(|&i| all[i as usize]).sum();
         sum += area * colour / 3.0;
         total += area;
     }
-    if total > 0.0 && sum.is_finite() { (sum / total).min(Rgb::ONE) } else { first }
+    with(if total > 0.0 && sum.is_finite() { (sum / total).min(DVec4::ONE) } else { first })
 }
 
 /// A primitive's triangles as numbers of its vertices, turned over if `mirrored`. Points and lines have none.
@@ -228,12 +253,12 @@ fn place_in_world(
     (positions, moved): (&Accessor<'_>, &Displacements<'_>),
     used: &[u32],
     mut triangles: Vec<[u32; 3]>,
-    world: &DAffine3,
+    placing: &Placing<'_>,
 ) -> Result<Polygons, FormatError> {
     let mut positions_m = Vec::with_capacity(used.len());
     for &vertex in used {
         let local = DVec3::from(positions.element::<3>(vertex as usize, 0.0)) + moved.at(vertex as usize);
-        let position = world.transform_point3(local);
+        let position = placing.point(vertex as usize, local);
         if !position.is_finite() {
             return Err(FormatError::NotFinite {
                 file: document.file.clone(),
@@ -247,5 +272,12 @@ fn place_in_world(
         // Every vertex is in the list, which is no longer than the vertices, whose numbers fit.
         *vertex = used.partition_point(|other| other < vertex) as u32;
     }
-    Ok(Polygons { positions_m, normals: Vec::new(), used: Vec::new(), triangles, colour: Rgb::ONE })
+    Ok(Polygons {
+        positions_m,
+        normals: Vec::new(),
+        used: Vec::new(),
+        triangles,
+        colour: Rgb::ONE,
+        alpha: VertexAlpha::OPAQUE,
+    })
 }

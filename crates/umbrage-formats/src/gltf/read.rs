@@ -7,15 +7,16 @@
 
 use std::path::Path;
 
-use glam::DVec2;
+use glam::{DAffine3, DVec2};
 use umbrage::id::{MaterialId, NodeId};
 use umbrage::scene::{Node, Rgb, Scene, Surface};
 
 use super::document::{Document, List};
 use super::item::Item;
-use super::material::{Materials, SeenThrough, Shown};
+use super::material::{Materials, Passing, SeenThrough, Shown};
 use super::node::{self, Placed};
 use super::primitive::Polygons;
+use super::skin::{self, Pose};
 use super::tally::Tally;
 use super::texture::{Images, ShownTexture};
 use super::{camera, lamp, morph, primitive};
@@ -23,7 +24,7 @@ use crate::beside::Folder;
 use crate::{FormatError, LampUnits, ReadOptions, Warning};
 
 /// Extensions that are read, that only concern what has a warning of its own, or that only add gloss to a surface, which is taken as diffuse anyway.
-const KNOWN_EXTENSIONS: [&str; 23] = [
+const KNOWN_EXTENSIONS: [&str; 24] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -43,6 +44,7 @@ const KNOWN_EXTENSIONS: [&str; 23] = [
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
+    "KHR_node_visibility",
     "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp",
@@ -60,7 +62,7 @@ pub(crate) fn read(
     let mut tally = Tally::default();
     tally.unknown_extensions = unknown_extensions(&document)?;
     tally.animations = document.root()?.list("animations")?.len();
-    let materials = Materials::read(&document, options.max_reflectance, &mut tally)?;
+    let materials = Materials::read(&document, options, &mut tally)?;
     let mut reader = Reader {
         document: &document,
         options,
@@ -71,10 +73,11 @@ pub(crate) fn read(
     };
 
     let placed = node::hierarchy(&document, &mut reader.tally)?;
+    let worlds = skin::worlds(&placed, document.count(List::Nodes)?);
     let mut ids: Vec<NodeId> = Vec::with_capacity(placed.len());
     for node in &placed {
         let parent = node.parent.map(|parent| ids[parent]);
-        let id = reader.node(node, parent)?;
+        let id = reader.node(node, parent, &worlds)?;
         match camera::of_node(&document, node, id) {
             Ok(camera) => reader.scene.cameras.extend(camera),
             Err(_) => reader.tally.bad_cameras += 1,
@@ -91,6 +94,8 @@ pub(crate) fn read(
     reader.tally.capped_materials = reader.materials.capped_count();
     reader.scene.materials = reader.materials.all;
     reader.scene.images = reader.images.all;
+    // The extension says candela and lux, and then emission is in cd/m2.
+    reader.scene.photometric = options.lamp_units == LampUnits::Same && !reader.scene.lamps.is_empty();
     reader.tally.blender_lamps = blender_lamps(&document, &reader.scene, options)?;
     Ok((reader.scene, reader.tally.warnings(options.max_reflectance)))
 }
@@ -107,13 +112,20 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     /// Adds a node and what it shows.
-    fn node(&mut self, placed: &Placed<'_>, parent: Option<NodeId>) -> Result<NodeId, FormatError> {
+    fn node(
+        &mut self,
+        placed: &Placed<'_>,
+        parent: Option<NodeId>,
+        worlds: &[Option<DAffine3>],
+    ) -> Result<NodeId, FormatError> {
         let item = &placed.item;
-        self.tally.skinned_nodes += usize::from(item.get("skin").is_some());
-        let odd_cones = &mut self.tally.odd_cones;
-        let lamp = lamp::of_node(self.document, item, &placed.world, self.options.lamp_units, odd_cones)?;
-        self.scene.lamps.extend(lamp);
-        let mesh = match item.whole("mesh")? {
+        self.tally.hidden_nodes += usize::from(!placed.visible);
+        if placed.visible
+            && let Some(lamp) = lamp::of_node(self.document, placed, self.options.lamp_units, &mut self.tally)?
+        {
+            self.scene.lamps.push(lamp);
+        }
+        let mesh = match item.whole("mesh")?.filter(|_| placed.visible) {
             Some(mesh) => Some(self.document.item(List::Meshes, mesh, &item.place)?),
             None => None,
         };
@@ -126,14 +138,19 @@ impl Reader<'_> {
         self.scene.nodes[node].extras = item.json("extras");
         if let Some(mesh) = &mesh {
             let weights = morph::weights(item, mesh)?;
+            // They are copied for each node that shows the mesh.
+            self.tally.unfold(weights.len(), self.document, &item.place)?;
             match instances {
-                None => self.mesh((mesh, &weights), &item.place, node, &placed.world)?,
+                None => {
+                    let pose = Pose::of_node(self.document, placed, worlds, &mut self.tally)?;
+                    self.mesh((mesh, &weights), &item.place, node, &pose)?;
+                }
                 // Each instance becomes a node below, as each gets a mesh of its own in the output.
                 Some(instances) => {
                     for (number, instance) in instances.iter().enumerate() {
                         let below = self.push_node(None, Some(node), Some(mesh))?;
                         let place = format!("{}, instance {number}", item.place);
-                        self.mesh((mesh, &weights), &place, below, &(placed.world * *instance))?;
+                        self.mesh((mesh, &weights), &place, below, &Pose::Rigid(placed.world * *instance))?;
                     }
                 }
             }
@@ -164,12 +181,12 @@ impl Reader<'_> {
         (mesh, weights): (&Item<'_>, &[f64]),
         shown_by: &str,
         node: NodeId,
-        world: &glam::DAffine3,
+        pose: &Pose,
     ) -> Result<(), FormatError> {
         for (number, primitive) in mesh.children("primitives", "primitive")?.enumerate() {
             let primitive = primitive?;
             let place = format!("{shown_by}, {}, primitive {number}", mesh.place);
-            let polygons = primitive::polygons(self.document, &primitive, &place, (world, weights), &mut self.tally)?;
+            let polygons = primitive::polygons(self.document, &primitive, &place, (pose, weights), &mut self.tally)?;
             let Some(polygons) = polygons else { continue };
             let number = match primitive.whole("material")? {
                 Some(index) => {
@@ -178,21 +195,23 @@ impl Reader<'_> {
                 }
                 None => self.materials.default(),
             };
-            let (material, uvs) = self.material(number, (&primitive, &place), &polygons)?;
-            let seen_through = self.materials.of_file[number].seen_through;
+            let Some(made) = self.material(number, (&primitive, &place), &polygons)? else {
+                self.tally.invisible_polygons += polygons.triangles.len();
+                continue;
+            };
             let surface = Surface {
                 positions_m: polygons.positions_m,
-                uvs,
+                uvs: made.uvs,
                 normals: polygons.normals,
                 polygons: polygons.triangles.iter().map(|triangle| triangle.to_vec()).collect(),
-                ..Surface::new(node, material)
+                ..Surface::new(node, made.material)
             };
-            match seen_through {
+            match made.seen_through {
                 Some(SeenThrough::Blended) => self.tally.blended_polygons += surface.polygons.len(),
                 Some(SeenThrough::Glass) => self.tally.glass_polygons += surface.polygons.len(),
                 None => {}
             }
-            if seen_through.is_some() {
+            if made.seen_through.is_some() {
                 self.scene.see_through.push(surface);
             } else {
                 self.scene.surfaces.push(surface);
@@ -202,13 +221,13 @@ impl Reader<'_> {
     }
 
     /// The material of the scene for a primitive, and the places of its corners in the image that is seen on it: of its
-    /// emission if it emits by one, else of its base colour.
+    /// emission if it emits by one, else of its base colour. Nothing where it is invisible.
     fn material(
         &mut self,
         number: usize,
         primitive: (&Item<'_>, &str),
         polygons: &Polygons,
-    ) -> Result<(MaterialId, Vec<DVec2>), FormatError> {
+    ) -> Result<Option<Made>, FormatError> {
         let Self { document, tally, materials, images, .. } = self;
         let material = &materials.of_file[number];
         let tint = polygons.colour;
@@ -227,10 +246,24 @@ impl Reader<'_> {
         };
         let mean = |shown: &Option<ShownTexture>| shown.as_ref().map_or(Rgb::ONE, |shown| shown.mean);
         let (reflects, emits) = (mean(&base), mean(&emission));
-        let seen = if material.radiance() * emits != Rgb::ZERO { emission } else { base };
+        let does_emit = material.radiance() * emits != Rgb::ZERO;
+        let (alpha, share, seen_through) = match material.passing(polygons.alpha, base.as_ref(), does_emit) {
+            Passing::Invisible => return Ok(None),
+            Passing::Blocks { alpha, emits } => (alpha, emits, None),
+            Passing::SeenThrough { why, alpha } => (alpha, 1.0, Some(why)),
+        };
+        let seen = if does_emit { emission } else { base };
         let (texture, uvs) = seen.map_or((None, Vec::new()), |seen| (Some(seen.texture), seen.uvs));
-        Ok((materials.shown(number, Shown { reflects, tint, emits, texture }), uvs))
+        let material = materials.shown(number, Shown { reflects, tint, emits: share * emits, texture, alpha });
+        Ok(Some(Made { material, uvs, seen_through }))
     }
+}
+
+/// What a primitive's material has become.
+struct Made {
+    material: MaterialId,
+    uvs: Vec<DVec2>,
+    seen_through: Option<SeenThrough>,
 }
 
 /// How many lamps are too bright by Blender's factor beside the surfaces that emit.
@@ -260,7 +293,7 @@ fn unknown_extensions(document: &Document) -> Result<Vec<(String, bool)>, Format
     for (key, required) in [("extensionsRequired", true), ("extensionsUsed", false)] {
         for name in root.list(key)?.iter().filter_map(|name| name.as_str()) {
             if !KNOWN_EXTENSIONS.contains(&name) {
-                unknown.push((name.to_owned(), required));
+                unknown.push((crate::text::shortened(name), required));
             }
         }
     }

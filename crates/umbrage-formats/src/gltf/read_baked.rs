@@ -18,6 +18,7 @@ use super::item::Item;
 use super::node::{self, Placed};
 use super::primitive;
 use super::tally::{PRIMITIVE_COST, Tally};
+use super::write::PHOTOMETRIC;
 use crate::beside::Folder;
 use crate::{BakedCamera, BakedEmission, BakedFile, BakedFilePart, FormatError};
 
@@ -26,7 +27,7 @@ const ANY: [Component; 5] = [Component::F32, Component::I8, Component::U8, Compo
 
 /// Reads a baked `.glb` or `.gltf` whose bytes are given.
 pub(crate) fn read_baked(path: &Path, bytes: Vec<u8>) -> Result<BakedFile, FormatError> {
-    let document = Document::parse(path, bytes, Folder::of(path))?;
+    let document = Document::parse(path, bytes, Folder::of(path, None))?;
     let extras = document.root()?.child("asset")?.map(|asset| asset.child("extras")).transpose()?.flatten();
     let facts = extras.map(|extras| extras.child("umbrage")).transpose()?.flatten();
     let not_baked = || FormatError::NotBaked {
@@ -69,15 +70,23 @@ pub(crate) fn read_baked(path: &Path, bytes: Vec<u8>) -> Result<BakedFile, Forma
             camera::of_node(&document, node, NodeId::from(number))?.and_then(|camera| perspective(camera, &node.item)),
         );
     }
-    Ok(BakedFile { name, origin_m, parts, cameras, images, exposure_k, extras: facts.object().clone() })
+    let photometric = facts.get("units").is_some_and(|units| units == PHOTOMETRIC);
+    let extras = facts.object().clone();
+    Ok(BakedFile { name, origin_m, parts, cameras, images, exposure_k, photometric, extras })
 }
 
-/// Whether a primitive took no part in the bake: it is blended, and has no irradiance.
+/// Whether a primitive took no part in the bake: it has no irradiance, and is blended or says so.
 fn is_passed_on(document: &Document, primitive: &Item<'_>, place: &str) -> Result<bool, FormatError> {
     let attributes = primitive.child("attributes")?;
+    if attributes.is_some_and(|attributes| attributes.get("_IRRADIANCE").is_some()) {
+        return Ok(false);
+    }
+    let facts = primitive.get("extras").and_then(|extras| extras.get("umbrage"));
+    if facts.and_then(|facts| facts.get("takes_part")).is_some_and(|part| part == false) {
+        return Ok(true);
+    }
     let Some(material) = primitive.whole("material")? else { return Ok(false) };
-    let blended = document.item(List::Materials, material, place)?.text("alphaMode")? == Some("BLEND");
-    Ok(blended && attributes.is_none_or(|attributes| attributes.get("_IRRADIANCE").is_none()))
+    Ok(document.item(List::Materials, material, place)?.text("alphaMode")? == Some("BLEND"))
 }
 
 /// A camera for a picture: those that project in parallel are no use.

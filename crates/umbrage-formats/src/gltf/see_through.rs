@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use serde_json::{Value, json};
-use umbrage::scene::{Rgb, Scene, Surface};
+use umbrage::scene::{Alpha, Rgb, Scene, Surface};
 
 use super::write_buffer::WriteBuffer;
 
@@ -27,6 +27,11 @@ impl SeeThrough {
             (2..polygon.len()).map(|i| [polygon[0], polygon[i - 1], polygon[i]]).collect()
         };
         let triangles: Vec<[u32; 3]> = surface.polygons.iter().flat_map(fan).filter(has_area).collect();
+        // Baked materials are one-sided; what is blended is not, and what casts no shadow has the same material as what does.
+        let material = &scene.materials[surface.material];
+        let both = material.double_sided && !matches!(material.look.alpha, Alpha::Blend { .. });
+        let backs = triangles.iter().filter(|_| both).map(|&[a, b, c]| [a, c, b]);
+        let triangles: Vec<[u32; 3]> = triangles.iter().copied().chain(backs).collect();
         let shows_image = scene.materials[surface.material].look.texture.is_some();
         let uvs = if shows_image { surface.uvs.iter().map(|uv| uv.as_vec2().to_array()).collect() } else { Vec::new() };
         (!triangles.is_empty()).then_some(Self { positions_m, uvs, triangles })
@@ -41,6 +46,9 @@ impl SeeThrough {
         if !self.uvs.is_empty() {
             attributes["TEXCOORD_0"] = json!(buffer.coordinates(&self.uvs));
         }
-        json!({"attributes": attributes, "indices": buffer.triangles(&self.triangles), "material": material})
+        let indices = buffer.triangles(&self.triangles);
+        // Who measures the light leaves it out.
+        let extras = json!({"umbrage": {"takes_part": false}});
+        json!({"attributes": attributes, "indices": indices, "material": material, "extras": extras})
     }
 }

@@ -33,6 +33,10 @@ pub(super) struct ShownTexture {
     pub(super) uvs: Vec<DVec2>,
     /// The mean colour over the primitive.
     pub(super) mean: Rgb,
+    /// The mean alpha over the primitive, 1 where it does not count.
+    pub(super) opacity: f64,
+    /// Whether the image's alpha counts, and is less than 1 somewhere.
+    pub(super) has_alpha: bool,
 }
 
 impl Images {
@@ -53,8 +57,10 @@ impl Images {
         let Some((image, mean)) = self.image(document, texture.texture.image, alpha, tally)? else { return Ok(None) };
         let BaseTexture { filters, .. } = *texture;
         let wrap = texture.texture.wrap;
-        let mean = mean_over(mean, &uvs, polygons, wrap);
-        Ok(Some(ShownTexture { texture: Texture { image, wrap, filters, factor }, uvs, mean }))
+        let has_alpha = mean.has_alpha();
+        let (mean, opacity) = mean_over(mean, &uvs, polygons, wrap);
+        let texture = Texture { image, wrap, filters, factor };
+        Ok(Some(ShownTexture { texture, uvs, mean, opacity, has_alpha }))
     }
 
     fn image(
@@ -94,10 +100,18 @@ impl Images {
     }
 }
 
-/// The mean colour over a primitive, by area in the world.
-fn mean_over(image: &MeanColor, uvs: &[DVec2], polygons: &Polygons, wrap: [Wrap; 2]) -> Rgb {
-    let triangles = polygons.triangles.iter().map(|triangle| triangle.map(|i| i as usize));
-    let sum = texture_mean::over(image, wrap, triangles, &polygons.positions_m, uvs);
+/// The mean colour over a primitive, by area in the world, and the mean alpha.
+fn mean_over(image: &MeanColor, uvs: &[DVec2], polygons: &Polygons, wrap: [Wrap; 2]) -> (Rgb, f64) {
+    let triangles = || polygons.triangles.iter().map(|triangle| triangle.map(|i| i as usize));
+    let sum = texture_mean::over(image, wrap, triangles(), &polygons.positions_m, uvs);
+    let area_m2: f64 = triangles()
+        .map(|triangle| {
+            let [a, b, c] = triangle.map(|i| polygons.positions_m[i]);
+            0.5 * (b - a).cross(c - a).length()
+        })
+        .filter(|area_m2| area_m2.is_finite())
+        .sum();
     let seen = if sum.alpha > 0.0 { sum } else { image.whole() };
-    Rgb::from(seen.color())
+    let opacity = if area_m2 > 0.0 { (sum.alpha / area_m2).clamp(0.0, 1.0) } else { image.whole().alpha };
+    (Rgb::from(seen.color()), opacity)
 }

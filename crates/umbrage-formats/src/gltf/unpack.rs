@@ -104,9 +104,8 @@ fn draco_primitive(
     tally: &mut Tally,
 ) -> Result<Vec<Change>, FormatError> {
     let mesh = document.item(List::Meshes, mesh, "the document")?;
-    let Some(primitive) = mesh.children("primitives", "primitive")?.nth(primitive).transpose()? else {
-        return Ok(Vec::new());
-    };
+    let Some(value) = mesh.list("primitives")?.get(primitive) else { return Ok(Vec::new()) };
+    let primitive = Item::new(&document.file, format!("{}, primitive {primitive}", mesh.place), value)?;
     let Some(extension) = primitive.extension(DRACO)? else { return Ok(Vec::new()) };
     let Some(attributes) = primitive.child("attributes")? else { return Ok(Vec::new()) };
     let Some(position) = attributes.whole("POSITION")? else { return Ok(Vec::new()) };

@@ -14,7 +14,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 use umbrage::id::{MaterialId, Table};
-use umbrage::scene::{Material, Rgb, Scene};
+use umbrage::scene::{Material, Rgb, Scene, Surface};
 use umbrage::shade::{BakedMesh, BakedPart};
 
 use super::container;
@@ -23,6 +23,7 @@ use super::see_through::SeeThrough;
 use super::write_buffer::WriteBuffer;
 use super::write_camera;
 use super::write_material::{Materials, put_facts, value_of};
+use crate::text::shortened;
 use crate::{FormatError, write_atomically};
 
 /// What is said about a bake in `asset.extras.umbrage`, and how it is shown.
@@ -36,6 +37,10 @@ pub struct BakeFacts {
     /// itself (`exposure`, `exposure_percentile`, `residual`, `units`) are the writer's.
     pub extras: Map<String, Value>,
 }
+
+/// What a file says of the unit of its `_IRRADIANCE`.
+pub(super) const PHOTOMETRIC: &str = "irradiance lx";
+const RADIOMETRIC: &str = "irradiance W/m2";
 
 /// What was written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,11 +60,8 @@ pub struct Written {
 /// Writes a baked mesh as a GLB, all or nothing.
 ///
 /// # Errors
-/// [`FormatError::NothingToWrite`], [`FormatError::BadExposure`], [`FormatError::OutputTooLarge`] or
+/// [`FormatError::BrokenMesh`], [`FormatError::NothingToWrite`], [`FormatError::BadExposure`], [`FormatError::OutputTooLarge`] or
 /// [`FormatError::Unwritable`]; the file is then as it was.
-///
-/// # Panics
-/// If the mesh breaks its promises or is not of this scene: a defect of the caller.
 pub fn write_baked_glb(
     scene: &Scene,
     baked: &BakedMesh,
@@ -76,15 +78,12 @@ pub fn write_baked_glb(
 ///
 /// # Errors
 /// As [`write_baked_glb`], but for writing.
-///
-/// # Panics
-/// If the mesh breaks its promises or is not of this scene: a defect of the caller.
 pub fn baked_glb_bytes(scene: &Scene, baked: &BakedMesh, facts: &BakeFacts) -> Result<Vec<u8>, FormatError> {
     encode(scene, baked, facts, "the output").map(|(bytes, _)| bytes)
 }
 
 fn encode(scene: &Scene, baked: &BakedMesh, facts: &BakeFacts, file: &str) -> Result<(Vec<u8>, Written), FormatError> {
-    check_promises(scene, baked);
+    check_promises(scene, baked).map_err(|what| FormatError::BrokenMesh { file: file.to_owned(), what })?;
     if baked.triangle_count() == 0 {
         return Err(FormatError::NothingToWrite { file: file.to_owned() });
     }
@@ -121,7 +120,9 @@ fn encode(scene: &Scene, baked: &BakedMesh, facts: &BakeFacts, file: &str) -> Re
     let mean_light = exposure::mean_colour(scene, baked, k);
     for surface in &scene.see_through {
         if let Some(see_through) = SeeThrough::new(scene, surface, baked.origin_m) {
-            let primitive = see_through.primitive(&mut buffer, mean_light, materials.number_of[surface.material]);
+            // What shines, and lights nothing, shines all the same.
+            let light = if scene.materials[surface.material].shines() { Rgb::ONE } else { mean_light };
+            let primitive = see_through.primitive(&mut buffer, light, materials.number_of[surface.material]);
             primitives[usize::from(surface.node)].push(primitive);
         }
     }
@@ -160,23 +161,31 @@ fn shown_materials(scene: &Scene, baked: &BakedMesh) -> Table<MaterialId, bool> 
     shown
 }
 
-/// What [`BakedMesh`] promises and a sound file needs.
-fn check_promises(scene: &Scene, baked: &BakedMesh) {
-    if let Err(broken) = baked.validate() {
-        panic!("the baked mesh breaks a promise: {broken}");
+/// What [`BakedMesh`] promises and a sound file needs; in words, with the patch, if it is broken.
+fn check_promises(scene: &Scene, baked: &BakedMesh) -> Result<(), String> {
+    baked.validate().map_err(|broken| broken.to_string())?;
+    if !baked.origin_m.is_finite() {
+        return Err(format!("the origin is {}", baked.origin_m));
     }
-    assert!(baked.origin_m.is_finite(), "the origin is {}", baked.origin_m);
     for part in &baked.parts {
         let surface = part.surface;
-        assert!(usize::from(surface) < scene.surfaces.len(), "{surface:?} is not in the scene");
-        for (vertex, position) in part.positions_m.iter().enumerate() {
-            assert!(position.iter().all(|x| x.is_finite()), "{surface:?}: vertex {vertex} is at {position:?}");
+        if usize::from(surface) >= scene.surfaces.len() {
+            return Err(format!("{surface:?} is not in the scene"));
         }
-        for (vertex, normal) in part.normals.iter().enumerate() {
-            let length = normal.iter().map(|x| x * x).sum::<f32>().sqrt();
-            assert!((length - 1.0).abs() < 1e-3, "{surface:?}: vertex {vertex} has normal {normal:?}");
+        let place = |vertex| {
+            let Surface { node, material, .. } = scene.surfaces[surface];
+            let node = shortened(scene.nodes[node].name.as_deref().unwrap_or("unnamed"));
+            format!("node {node:?}, material {:?}, vertex {vertex}", shortened(&scene.materials[material].name))
+        };
+        if let Some(vertex) = part.positions_m.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+            return Err(format!("{} is at {:?}", place(vertex), part.positions_m[vertex]));
+        }
+        let is_unit = |normal: &[f32; 3]| (normal.iter().map(|x| x * x).sum::<f32>().sqrt() - 1.0).abs() < 1e-3;
+        if let Some(vertex) = part.normals.iter().position(|normal| !is_unit(normal)) {
+            return Err(format!("{} has normal {:?}", place(vertex), part.normals[vertex]));
         }
     }
+    Ok(())
 }
 
 /// `COLOR_0` of a part, and how many vertices of a surface that only reflects were clipped.
@@ -185,7 +194,7 @@ fn colours(material: &Material, base: Rgb, part: &BakedPart, k: f64) -> (Vec<[u1
     let mut clipped = 0;
     let colour = |vertex| {
         let colour = exposure::colour(material, base, exposure::irradiance(part, vertex), k);
-        clipped += usize::from(!material.emits() && colour.max_element() > 1.0);
+        clipped += usize::from(!material.shines() && colour.max_element() > 1.0);
         let steps = (colour.clamp(Rgb::ZERO, Rgb::ONE) * one).round().to_array();
         let [red, green, blue] = steps.map(|channel| channel as u16);
         [red, green, blue, u16::MAX]
@@ -233,7 +242,7 @@ fn asset(scene: &Scene, facts: &BakeFacts, k: f64) -> Value {
         extras.insert("exposure_percentile".into(), json!(exposure::PERCENTILE));
     }
     extras.insert("residual".into(), json!(facts.residual));
-    extras.insert("units".into(), json!("irradiance W/m2"));
+    extras.insert("units".into(), json!(if scene.photometric { PHOTOMETRIC } else { RADIOMETRIC }));
     let generator = concat!("Umbrage ", env!("CARGO_PKG_VERSION"));
     let mut asset = json!({"version": "2.0", "generator": generator});
     if let Some(copyright) = &scene.copyright {

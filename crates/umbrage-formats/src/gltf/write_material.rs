@@ -139,11 +139,11 @@ fn unlit(material: &Material, base: Rgb, texture: Option<usize>) -> Value {
     if let Some(extras) = material.look.extras.as_deref().and_then(value_of) {
         out["extras"] = extras;
     }
-    if material.emits() {
+    if material.shines() {
         // What is seen of an image that emits is that image alone.
         let (radiance, reflectance) = match material.look.texture {
             Some(texture) => (texture.factor, Rgb::ZERO),
-            None => (material.radiance, material.reflectance),
+            None => (material.shown_radiance(), material.reflectance),
         };
         let facts = json!({"radiance": radiance.to_array(), "reflectance": reflectance.to_array()});
         put_facts(&mut out["extras"], facts);

@@ -22,6 +22,9 @@ const VISIBLE_NM: [f64; 2] = [380.0, 780.0];
 /// The step in which spectra are summed up, in nanometres: narrower than any lobe of the matching functions.
 const STEP_NM: f64 = 2.0;
 
+/// The least `y` of a chromaticity that is mended: about that of the bluest light.
+const LEAST_Y: f64 = 0.005;
+
 /// A chromaticity, CIE 1931; `y` is above 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Colour {
@@ -42,8 +45,16 @@ impl Colour {
         (x >= 0.0 && y > 0.0 && x + y <= 1.0 + 1e-9).then_some(Self { x, y })
     }
 
-    /// The colour of XYZ, if it is one and has a brightness.
+    /// The chromaticity that is nearest to two finite numbers which may be none.
+    pub(super) fn nearest(x: f64, y: f64) -> Self {
+        let (x, y) = (x.clamp(0.0, 1.0), y.clamp(LEAST_Y, 1.0));
+        let sum = (x + y).max(1.0);
+        Self { x: x / sum, y: y / sum }
+    }
+
+    /// The colour of XYZ, if it has a brightness. Measured spectra have negative values, which can leave a little too little of X or Z.
     fn of_xyz(xyz: DVec3) -> Option<Self> {
+        let xyz = DVec3::new(xyz.x.max(0.0), xyz.y, xyz.z.max(0.0));
         let sum = xyz.element_sum();
         Self::new(xyz.x / sum, xyz.y / sum)
     }
@@ -193,6 +204,16 @@ mod tests {
         assert!(Colour::of_spectrum(700.0, 400.0, &[1.0; 4]).is_none());
         assert!(Colour::of_spectrum(400.0, 700.0, &[]).is_none());
         assert!(Colour::of_spectrum(10.0, 20.0, &[1.0; 3]).is_none());
+    }
+
+    #[test]
+    fn negative_values_and_odd_chromaticities_become_the_nearest() {
+        let (rgb, _) = Colour::of_spectrum(400.0, 700.0, &[-0.02, -0.01, 0.1, 0.9]).unwrap().rgb();
+        assert!(rgb.min_element() >= 0.0 && rgb.x > rgb.y, "{rgb}");
+        for (x, y) in [(0.7, 0.6), (-0.1, 0.3), (0.3, 0.0), (0.3, -1.0), (1e300, 1e300)] {
+            let Colour { x, y } = Colour::nearest(x, y);
+            assert!(Colour::new(x, y).is_some() && Colour::new(x, y).unwrap().rgb().0.is_finite(), "{x} {y}");
+        }
     }
 
     #[test]

@@ -26,6 +26,9 @@ use crate::text::{Cursor, EXPORT_AGAIN, Line, Place};
 use crate::warning::Unknown;
 use crate::{FormatError, ReadOptions, Warning};
 
+/// So many bytes of a text take about as much time as a corner.
+const BYTES_PER_CORNER: u64 = 64;
+
 /// Open transforms or objects within each other: more are refused.
 const MAX_NESTING: usize = 512;
 
@@ -67,6 +70,7 @@ struct Tally {
     curved_shapes: usize,
     curved_polygons: usize,
     unclosed: usize,
+    odd_colours: usize,
 }
 
 /// An open file.
@@ -118,7 +122,9 @@ struct Reader {
 impl Reader {
     fn finish(self) -> (Scene, Vec<Warning>) {
         let Self { builder, materials, tally, .. } = self;
-        let (scene, capped) = builder.finish();
+        let (mut scene, capped) = builder.finish();
+        // What the format says: emittance is in lm/m2.
+        scene.photometric = true;
         let mut warnings = Vec::new();
         let mut warn = |count: usize, warning: fn(usize) -> Warning| {
             if count > 0 {
@@ -128,6 +134,7 @@ impl Reader {
         warn(tally.too_few_corners, |polygons| Warning::TooFewCorners { polygons });
         warn(tally.luminaires, |luminaires| Warning::LuminairesIgnored { luminaires });
         warn(tally.unclosed, |contexts| Warning::UnclosedContexts { contexts });
+        warn(tally.odd_colours, |colours| Warning::OddColours { colours });
         warn(materials.glossy, |materials| Warning::GlossIgnored { materials });
         warn(materials.transmitting, |materials| Warning::TransmissionIgnored { materials });
         warn(materials.out_of_gamut, |materials| Warning::ColoursOutOfGamut { materials });
@@ -162,7 +169,12 @@ impl Reader {
     fn next_line(&mut self) -> Result<Option<(Rc<Source>, Line<'static>)>, FormatError> {
         while let Some(file) = self.files.last_mut() {
             let source = Rc::clone(&file.source);
-            if let Some(line) = file.cursor.next_line(&source.bytes, true) {
+            let before = file.cursor.offset();
+            let line = file.cursor.next_line(&source.bytes, true);
+            // Comments, blank lines and continued ones are gone over once for each element of an array.
+            let passed = (file.cursor.offset() - before) as u64 / BYTES_PER_CORNER;
+            self.builder.budget.spend(passed, &source.file, || "its lines".into())?;
+            if let Some(line) = line {
                 let line = Line { number: line.number, text: line.text.into_owned().into() };
                 return Ok(Some((source, line)));
             }
@@ -178,14 +190,14 @@ impl Reader {
         self.builder.budget.spend(1, &source.file, || "its end".into())?;
         let (own, outer_objects) = (file.transforms, file.objects);
         if self.transforms.len() > own {
-            if !self.close_transform() {
+            if !self.close_transform(&source.file)? {
                 self.tally.unclosed += 1;
             }
             return Ok(());
         }
         // The first line of an include's file is where its own transform begins.
         let has_own = self.files.len() > 1;
-        if has_own && self.close_transform() {
+        if has_own && self.close_transform(&source.file)? {
             return Ok(());
         }
         self.tally.unclosed += self.objects.len().saturating_sub(outer_objects);
@@ -195,19 +207,20 @@ impl Reader {
     }
 
     /// Closes the innermost transform, or goes back to its beginning for the next element of its array: then true.
-    fn close_transform(&mut self) -> bool {
-        let Some(mut open) = self.transforms.pop() else { return false };
+    fn close_transform(&mut self, file: &str) -> Result<bool, FormatError> {
+        let Some(mut open) = self.transforms.pop() else { return Ok(false) };
+        self.builder.budget.spend(open.transform.part_count() as u64, file, || "an xf".into())?;
         self.tally.unclosed += self.objects.len().saturating_sub(open.objects);
         self.objects.truncate(open.objects);
         if !open.transform.advance() {
-            return false;
+            return Ok(false);
         }
         if let Some(file) = self.files.last_mut() {
             file.cursor = open.begin;
         }
         open.world = self.world() * open.transform.current();
         self.transforms.push(open);
-        true
+        Ok(true)
     }
 
     fn statement(&mut self, place: Place<'_>, text: &str) -> Result<(), FormatError> {
@@ -220,7 +233,10 @@ impl Reader {
             "m" => self.mgf_materials.select(place, words)?,
             "p" => self.vertices.current_mut().position = place.numbers(keyword, &mut words.iter().copied())?.into(),
             "n" => self.vertices.current_mut().normal = place.numbers(keyword, &mut words.iter().copied())?.into(),
-            "cxy" | "cspec" | "cct" | "cmix" => *self.colours.current_mut() = self.colour(place, keyword, words)?,
+            "cxy" | "cspec" | "cct" | "cmix" => {
+                let colour = self.colour(place, keyword, words)?;
+                *self.colours.current_mut() = colour;
+            }
             "sides" | "rd" | "ed" | "rs" | "td" | "ts" => self.material(place, keyword, words)?,
             // Refraction needs transmission, which has a warning of its own.
             "ir" => {}
@@ -235,21 +251,28 @@ impl Reader {
         Ok(())
     }
 
-    fn colour(&self, place: Place<'_>, keyword: &str, words: &[&str]) -> Result<Colour, FormatError> {
+    /// A colour; what says one that there is not, but in numbers, is the nearest that there is, counted.
+    fn colour(&mut self, place: Place<'_>, keyword: &str, words: &[&str]) -> Result<Colour, FormatError> {
         let finite = |words: &[&str]| words.iter().map(|word| place.finite(word)).collect::<Result<Vec<f64>, _>>();
-        let colour = match (keyword, words) {
-            ("cxy", [x, y]) => Colour::new(place.finite(x)?, place.finite(y)?),
-            ("cct", [kelvin]) => Colour::of_black_body(place.finite(kelvin)?),
-            ("cspec", [from, to, values @ ..]) => {
-                Colour::of_spectrum(place.finite(from)?, place.finite(to)?, &finite(values)?)
+        let (colour, nearest) = match (keyword, words) {
+            ("cxy", [x, y]) => {
+                let (x, y) = (place.finite(x)?, place.finite(y)?);
+                (Colour::new(x, y), Colour::nearest(x, y))
             }
-            ("cmix", [..]) if words.len().is_multiple_of(2) => {
+            ("cct", [kelvin]) => (Colour::of_black_body(place.finite(kelvin)?), Colour::default()),
+            ("cspec", [from, to, values @ ..]) if values.len() >= 2 => {
+                let (from, to) = (place.finite(from)?, place.finite(to)?);
+                (Colour::of_spectrum(from, to, &finite(values)?), Colour::default())
+            }
+            ("cmix", [_, _, ..]) if words.len().is_multiple_of(2) => {
                 let part = |pair: &[&str]| Ok((place.finite(pair[0])?, *self.colours.get(place, pair[1])?));
-                Colour::mixture(&words.chunks_exact(2).map(part).collect::<Result<Vec<_>, FormatError>>()?)
+                let parts = words.chunks_exact(2).map(part).collect::<Result<Vec<_>, FormatError>>()?;
+                (Colour::mixture(&parts), Colour::default())
             }
-            _ => None,
+            _ => return Err(place.bad(format!("{keyword} does not describe a colour"), EXPORT_AGAIN)),
         };
-        colour.ok_or_else(|| place.bad(format!("{keyword} does not describe a colour"), EXPORT_AGAIN))
+        self.tally.odd_colours += usize::from(colour.is_none());
+        Ok(colour.unwrap_or(nearest))
     }
 
     fn material(&mut self, place: Place<'_>, keyword: &str, words: &[&str]) -> Result<(), FormatError> {
@@ -358,7 +381,7 @@ impl Reader {
         } else if self.transforms.len() <= own {
             return Err(unmatched(place, "xf"));
         } else {
-            self.close_transform();
+            self.close_transform(place.file)?;
         }
         Ok(())
     }

@@ -72,6 +72,11 @@ impl Transform {
         Ok(Self { parts })
     }
 
+    /// Parts that are multiplied for each element.
+    pub(super) fn part_count(&self) -> usize {
+        self.parts.len()
+    }
+
     /// The transform for the element at hand.
     pub(super) fn current(&self) -> DAffine3 {
         self.parts.iter().fold(DAffine3::IDENTITY, |all, part| power(part.transform, part.times) * all)

@@ -16,6 +16,12 @@ use crate::{FormatError, Warning};
 /// The name of what stands for no material at all.
 const NO_MATERIAL: &str = "default";
 
+/// What lets at least half of the light through (`d` of a half and less) blocks nothing, as glass of a glTF.
+const GLASS_OPACITY: f64 = 0.5;
+
+/// Missing libraries that have a warning of their own.
+const NAMED_LIBRARIES: usize = 4;
+
 /// Opacity below which what has an image of it is not seen: what glTF gives a mask that says nothing.
 const CUTOFF: f64 = 0.5;
 
@@ -24,6 +30,8 @@ const CUTOFF: f64 = 0.5;
 pub(super) enum Use {
     /// A material of the scene.
     Opaque(MaterialId),
+    /// A material of the scene that light passes through.
+    Glass(MaterialId),
     /// Fully transparent: the polygon is left out.
     Transparent,
 }
@@ -50,13 +58,15 @@ pub(super) struct Libraries<'a> {
     materials: Vec<(std::path::PathBuf, MtlMaterial)>,
     numbers: BTreeMap<String, usize>,
     warnings: Vec<Warning>,
+    /// Libraries that are missing beside those that have a warning.
+    more_missing: usize,
 }
 
 impl<'a> Libraries<'a> {
     /// None yet, for the OBJ at `path` in `folder`.
     pub(super) fn new(path: &'a Path, folder: &'a Folder) -> Self {
         let (materials, numbers) = (Vec::new(), BTreeMap::new());
-        Self { path, folder, read: BTreeSet::new(), materials, numbers, warnings: Vec::new() }
+        Self { path, folder, read: BTreeSet::new(), materials, numbers, warnings: Vec::new(), more_missing: 0 }
     }
 
     /// Reads what an `mtllib` statement names: one file, whose name may have spaces, else several.
@@ -107,7 +117,9 @@ impl<'a> Libraries<'a> {
         let library = crate::text::shortened(name);
         let replaced_by = instead.as_ref().map(|(path, _)| path.display().to_string());
         let warning = Warning::MaterialLibraryMissing { library, why, replaced_by };
-        if !self.warnings.contains(&warning) {
+        if self.warnings.len() >= NAMED_LIBRARIES {
+            self.more_missing += 1;
+        } else if !self.warnings.contains(&warning) {
             self.warnings.push(warning);
         }
         instead.map_or(Ok(()), |file| self.parse(file, builder, unknown))
@@ -138,13 +150,22 @@ impl Materials {
     /// The materials of the libraries, in their order.
     pub(super) fn new(libraries: Libraries<'_>, builder: &mut SceneBuilder) -> Self {
         let mut materials = Self { warnings: libraries.warnings, ..Self::default() };
-        for (folder, material) in libraries.materials {
+        if libraries.more_missing > 0 {
+            materials.warnings.push(Warning::MoreLibrariesMissing { libraries: libraries.more_missing });
+        }
+        for (folder, mut material) in libraries.materials {
             if material.opacity <= 0.0 {
                 materials.by_name.insert(material.name, Use::Transparent);
                 continue;
             }
+            if builder.is_dark(&material.name) {
+                (material.radiance, material.emission_texture) = (Rgb::ZERO, None);
+            }
             let images = materials.textures.load((libraries.folder, &folder), &material, builder);
-            materials.half_transparent += usize::from(material.opacity < 1.0 || images.cut_out);
+            let emits = material.radiance != Rgb::ZERO;
+            let is_glass = material.opacity <= GLASS_OPACITY && !emits;
+            materials.half_transparent += usize::from((material.opacity < 1.0 && !is_glass) || images.cut_out);
+            let opacity = material.opacity.min(1.0);
             // What a material reflects and emits is known once its surfaces are, where there is an image on it.
             let known = |colour: Rgb, image: &Option<Shown>| if image.is_some() { Rgb::ZERO } else { colour };
             let MtlMaterial { name, reflectance, radiance, .. } = material;
@@ -154,12 +175,19 @@ impl Materials {
                 (None, colour) => colour.as_ref().map(|colour| colour.texture(Rgb::ONE)),
             };
             let is_cut = images.cut_out && images.emission.is_none();
-            let alpha = if is_cut { Alpha::Mask { alpha: 1.0, cutoff: CUTOFF } } else { Alpha::Opaque };
+            let alpha = match (is_glass, is_cut) {
+                (true, _) => Alpha::Blend { alpha: opacity },
+                (false, true) => Alpha::Mask { alpha: 1.0, cutoff: CUTOFF },
+                (false, false) => Alpha::Opaque,
+            };
             let look = Look { texture, alpha, ..Look::default() };
             let radiance = known(radiance, &images.emission);
             let id = builder.material(Material { radiance, look, ..Material::diffuse(name.clone(), reflectance) });
             materials.textures.shows(id, images);
-            materials.by_name.insert(name, Use::Opaque(id));
+            if is_glass {
+                builder.see_through(id);
+            }
+            materials.by_name.insert(name, if is_glass { Use::Glass(id) } else { Use::Opaque(id) });
         }
         materials
     }

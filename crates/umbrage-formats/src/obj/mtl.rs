@@ -1,7 +1,8 @@
 //! A material library: what of it concerns a diffuse surface.
 //!
 //! `Kd` is the reflectance, `Ke` the radiance in W/(m2 sr). A material that is fully transparent (`d 0`, or `Tr 1` where
-//! there is no `d`) blocks nothing: its polygons are left out, counted. A half transparent one is opaque. `map_Kd` multiplies
+//! there is no `d`) blocks nothing: its polygons are left out, counted. One that lets through half of the light or more is taken as glass: it
+//! blocks nothing, and is passed on; less is opaque. `map_Kd` multiplies
 //! `Kd`, and `map_Ke` `Ke`; `map_d` cuts out what is seen, and light is blocked as a whole. A material without `Kd` is grey.
 
 use umbrage::scene::Rgb;

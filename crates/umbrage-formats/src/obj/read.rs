@@ -10,12 +10,13 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 use umbrage::id::{MaterialId, NodeId, SurfaceId};
-use umbrage::scene::Scene;
+use umbrage::scene::{Rgb, Scene};
 
 use super::material::{Libraries, Materials, Use};
 use crate::beside::Folder;
 use crate::builder::{self, SceneBuilder};
 use crate::text::{Cursor, EXPORT_AGAIN, Place, keyword, words};
+use crate::tint::Tints;
 use crate::warning::Unknown;
 use crate::{FormatError, ReadOptions, Warning};
 
@@ -32,19 +33,24 @@ pub(crate) fn read(
     let mut libraries = Libraries::new(path, folder);
     let mut vertices = Vec::new();
     let (mut coordinates, mut normals) = (Vec::new(), Vec::new());
-    let mut coloured_vertices = 0;
+    let mut colours = Colours::default();
+    let mut bad_normals = 0;
 
     let mut cursor = Cursor::default();
     while let Some(line) = cursor.next_line(bytes, false) {
         let place = Place { file: &file, line: line.number };
         match keyword(&line.text) {
             ("v", rest) => {
-                let (position, coloured) = vertex(place, rest)?;
+                let (position, colour) = vertex(place, rest)?;
+                colours.push(vertices.len(), colour);
                 vertices.push(position);
-                coloured_vertices += usize::from(coloured);
             }
             ("vt", rest) => coordinates.push(texture_vertex(place, rest)?),
-            ("vn", rest) => normals.push(DVec3::from(place.numbers::<3>("vn", &mut words(rest))?)),
+            ("vn", rest) => {
+                let normal = normal(rest);
+                bad_normals += usize::from(normal.is_none());
+                normals.push(normal.unwrap_or_default());
+            }
             ("mtllib", names) => libraries.add(names, &mut builder, &mut unknown)?,
             _ => {}
         }
@@ -65,7 +71,9 @@ pub(crate) fn read(
         group: String::new(),
         nodes: BTreeMap::new(),
         node: None,
-        tally: Tally::default(),
+        tally: Tally { bad_normals, ..Tally::default() },
+        colours,
+        tints: Tints::default(),
     };
     let mut cursor = Cursor::default();
     while let Some(line) = cursor.next_line(bytes, false) {
@@ -74,15 +82,15 @@ pub(crate) fn read(
     let Reader { mut builder, materials, tally, .. } = reader;
     materials.textures.finish(&mut builder);
     let (scene, capped) = builder.finish();
-    let mut warnings = tally.warnings(coloured_vertices);
+    let mut warnings = tally.warnings();
     warnings.extend(materials.warnings());
     warnings.extend(capped);
     warnings.extend(unknown.warning());
     Ok((scene, warnings))
 }
 
-/// A vertex, and whether it has a colour (x y z r g b), which is not in the format but found.
-fn vertex(place: Place<'_>, rest: &str) -> Result<(DVec3, bool), FormatError> {
+/// A vertex, and its colour (x y z r g b), which is not in the format but found.
+fn vertex(place: Place<'_>, rest: &str) -> Result<(DVec3, Option<Rgb>), FormatError> {
     let mut words = words(rest);
     let mut position = DVec3::ZERO;
     for i in 0..3 {
@@ -90,7 +98,38 @@ fn vertex(place: Place<'_>, rest: &str) -> Result<(DVec3, bool), FormatError> {
         let word = word.ok_or_else(|| place.bad(format!("a vertex has {i} coordinates, and needs 3"), EXPORT_AGAIN))?;
         position[i] = place.number(word)?;
     }
-    Ok((position, words.count() >= 3))
+    // A fourth number alone is a weight.
+    let mut colour =
+        || Some(Rgb::new(words.next()?.parse().ok()?, words.next()?.parse().ok()?, words.next()?.parse().ok()?));
+    Ok((position, colour().filter(|colour| colour.is_finite())))
+}
+
+/// Colours of vertices, 0 to 1 or, where one is greater, 0 to 255.
+#[derive(Debug, Default)]
+struct Colours {
+    /// Of each vertex up to the last that has one; white where it has none.
+    codes: Vec<Rgb>,
+    most: f64,
+}
+
+impl Colours {
+    fn push(&mut self, vertex: usize, colour: Option<Rgb>) {
+        let Some(colour) = colour else { return };
+        self.most = self.most.max(colour.max_element());
+        self.codes.resize(vertex, Rgb::INFINITY);
+        self.codes.push(colour);
+    }
+
+    fn of(&self, vertex: usize) -> Rgb {
+        let code = self.codes.get(vertex).copied().unwrap_or(Rgb::INFINITY);
+        (code / if self.most > 1.0 { 255.0 } else { 1.0 }).min(Rgb::ONE)
+    }
+}
+
+/// A normal, if it is three finite numbers: exporters write `nan`, `-nan(ind)` and less than three for faces without area.
+fn normal(rest: &str) -> Option<DVec3> {
+    let mut words = words(rest).map(|word| word.parse::<f64>().ok().filter(|number| number.is_finite()));
+    Some(DVec3::new(words.next()??, words.next()??, words.next()??))
 }
 
 /// Texture coordinates: u, and v where it is given.
@@ -107,10 +146,15 @@ struct Tally {
     too_few_corners: usize,
     transparent: usize,
     without_material: usize,
+    bad_normals: usize,
+    /// Polygons of materials that light passes through.
+    glass: usize,
+    /// Coloured polygons with an image, which says their colour.
+    untinted: usize,
 }
 
 impl Tally {
-    fn warnings(&self, coloured_vertices: usize) -> Vec<Warning> {
+    fn warnings(&self) -> Vec<Warning> {
         let mut warnings = Vec::new();
         let mut warn = |count: usize, warning: fn(usize) -> Warning| {
             if count > 0 {
@@ -121,7 +165,9 @@ impl Tally {
         warn(self.too_few_corners, |polygons| Warning::TooFewCorners { polygons });
         warn(self.transparent, |polygons| Warning::TransparentLeftOut { polygons });
         warn(self.without_material, |polygons| Warning::WithoutMaterial { polygons });
-        warn(coloured_vertices, |vertices| Warning::ColouredVertices { vertices });
+        warn(self.bad_normals, |normals| Warning::BadNormals { normals });
+        warn(self.glass, |polygons| Warning::GlassPassedOn { polygons });
+        warn(self.untinted, |polygons| Warning::ColoursUnderImages { polygons });
         warnings
     }
 }
@@ -155,6 +201,8 @@ struct Reader<'a> {
     /// The current one, once there is a polygon for it.
     node: Option<NodeId>,
     tally: Tally,
+    colours: Colours,
+    tints: Tints,
 }
 
 impl Reader<'_> {
@@ -190,12 +238,17 @@ impl Reader<'_> {
             self.materials.none(&mut self.builder)
         }) {
             Use::Opaque(material) => material,
+            Use::Glass(material) => {
+                self.tally.glass += 1;
+                material
+            }
             Use::Transparent => {
                 self.tally.transparent += 1;
                 return Ok(());
             }
         };
         let node = self.node(place)?;
+        let material = self.tinted(material, &corners);
         let surface = self.builder.surface(node, material);
         let corners = corners.into_iter().map(|corner| {
             let position = self.vertices[corner.vertex];
@@ -209,6 +262,19 @@ impl Reader<'_> {
         let corners = corners.collect::<Result<_, _>>()?;
         self.builder.polygon(surface, corners);
         Ok(())
+    }
+
+    /// The material of a polygon, by the colours of its corners.
+    fn tinted(&mut self, material: MaterialId, corners: &[Corner]) -> MaterialId {
+        if self.colours.codes.is_empty() {
+            return material;
+        }
+        if self.materials.textures.is_on(material) {
+            self.tally.untinted += usize::from(corners.iter().any(|corner| self.colours.of(corner.vertex) != Rgb::ONE));
+            return material;
+        }
+        let codes = corners.iter().map(|corner| self.colours.of(corner.vertex));
+        self.tints.tinted(material, codes, &mut self.builder)
     }
 
     /// The number of a corner in a surface, to which it is added if it is new.

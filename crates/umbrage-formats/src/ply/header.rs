@@ -17,6 +17,16 @@ pub(super) enum Kind {
 }
 
 impl Kind {
+    /// What white is in a colour of this type.
+    pub(super) fn white(self) -> f64 {
+        match self {
+            Self::I8 | Self::U8 => 255.0,
+            Self::I16 | Self::U16 => 65_535.0,
+            Self::I32 | Self::U32 => f64::from(u32::MAX),
+            Self::F32 | Self::F64 => 1.0,
+        }
+    }
+
     fn parse(word: &str) -> Option<Self> {
         Some(match word {
             "char" | "int8" => Self::I8,

@@ -1,17 +1,20 @@
 //! A PLY as a [`Scene`]: one node, one surface, the grey material `default`.
 //!
 //! Of vertices the properties `x`, `y` and `z` are taken, and `nx`, `ny` and `nz`, the normal of a smooth surface; of faces
-//! the list `vertex_indices` (or `vertex_index`); polygons stay what they are. Colours, other properties and other elements are passed over with a warning.
+//! the list `vertex_indices` (or `vertex_index`); polygons stay what they are. Colours of vertices (`red`, `green`, `blue`) are what polygons
+//! reflect. Strips of triangles (`tristrips`) are read, with -1 between them. Other properties and elements are passed over with a warning.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use glam::DVec3;
-use umbrage::id::SurfaceId;
-use umbrage::scene::Scene;
+use umbrage::id::{MaterialId, NodeId, SurfaceId};
+use umbrage::scene::{Material, Rgb, Scene};
 
 use super::body::Body;
 use super::header::{self, Element, Property};
 use crate::builder::{self, SceneBuilder};
+use crate::tint::Tints;
 use crate::warning::Unknown;
 use crate::{FormatError, ReadOptions, Warning};
 
@@ -21,7 +24,8 @@ const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 const POSITION: [&str; 3] = ["x", "y", "z"];
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
 /// Properties of vertices that are colours.
-const COLOURS: [&str; 3] = ["red", "diffuse_red", "r"];
+const COLOURS: [[&str; 3]; 3] =
+    [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"], ["r", "g", "b"]];
 
 /// Whether a file begins like a PLY.
 pub(crate) fn begins(bytes: &[u8]) -> bool {
@@ -37,7 +41,11 @@ pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(
     }
     let header = header::read(&file, bytes)?;
     let mut builder = SceneBuilder::new(builder::stem(path), bytes.len(), options);
-    let material = builder.grey("default");
+    let colours = header.elements.iter().filter(|element| element.name == "vertex").find_map(colours_of);
+    let material = match colours {
+        Some(_) => builder.uncapped(Material::diffuse("default", Rgb::ONE)),
+        None => builder.grey("default"),
+    };
     let name = builder.name().to_owned();
     let node = builder.node(&name, None, &file, || "the header".into())?;
     let surface = builder.surface(node, material);
@@ -52,14 +60,52 @@ pub(crate) fn read(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(
         with_normals,
         vertices: 0,
         unknown: Unknown::default(),
-        coloured: 0,
         too_few_corners: 0,
+        painted: colours.map(|names| Painted {
+            names,
+            node,
+            material,
+            codes: Vec::new(),
+            placed: HashMap::new(),
+            tints: Tints::default(),
+        }),
     };
     for element in &header.elements {
         reader.element(element)?;
     }
-    let Reader { builder, unknown, coloured, too_few_corners, .. } = reader;
-    Ok(builder.finish_without_materials(too_few_corners, coloured, unknown))
+    let Reader { builder, unknown, too_few_corners, .. } = reader;
+    Ok(builder.finish_without_materials(too_few_corners, unknown))
+}
+
+/// The names of the colours of vertices, if these have one.
+fn colours_of(element: &Element) -> Option<[&'static str; 3]> {
+    COLOURS.into_iter().find(|names| names.iter().all(|name| has(element, &[name])))
+}
+
+/// Vertices with colours: polygons of one colour become one surface, with vertices of its own.
+struct Painted {
+    names: [&'static str; 3],
+    node: NodeId,
+    /// White: what colours are multiplied with.
+    material: MaterialId,
+    /// Of each vertex, in codes from 0 to 1.
+    codes: Vec<Rgb>,
+    /// The number of each vertex in each surface.
+    placed: HashMap<(SurfaceId, u32), u32>,
+    tints: Tints,
+}
+
+impl Painted {
+    /// The surface of a polygon and its corners there.
+    fn place(&mut self, corners: &[u32], from: SurfaceId, builder: &mut SceneBuilder) -> (SurfaceId, Vec<u32>) {
+        let codes = corners.iter().map(|&corner| self.codes.get(corner as usize).copied().unwrap_or(Rgb::ONE));
+        let material = self.tints.tinted(self.material, codes, builder);
+        let surface = builder.surface(self.node, material);
+        let own = |&corner: &u32| {
+            *self.placed.entry((surface, corner)).or_insert_with(|| builder.copy_position(from, corner, surface))
+        };
+        (surface, corners.iter().map(own).collect())
+    }
 }
 
 struct Reader<'a> {
@@ -71,18 +117,16 @@ struct Reader<'a> {
     with_normals: bool,
     vertices: usize,
     unknown: Unknown,
-    coloured: usize,
     too_few_corners: usize,
+    painted: Option<Painted>,
 }
 
 impl Reader<'_> {
     fn element(&mut self, element: &Element) -> Result<(), FormatError> {
         match element.name.as_str() {
-            "vertex" => {
-                self.coloured += if has(element, &COLOURS) { element.count as usize } else { 0 };
-                self.all(element, Self::vertex)
-            }
+            "vertex" => self.all(element, Self::vertex),
             "face" if has(element, &CORNERS) => self.all(element, Self::face),
+            "tristrips" if has(element, &CORNERS) => self.all(element, Self::strip),
             name => {
                 self.unknown.add(name);
                 // Elements without properties take no bytes, however many there are.
@@ -105,9 +149,14 @@ impl Reader<'_> {
     }
 
     fn vertex(&mut self, element: &Element, number: u64) -> Result<(), FormatError> {
-        let (mut position, mut normal) = (DVec3::ZERO, DVec3::ZERO);
+        let (mut position, mut normal, mut code) = (DVec3::ZERO, DVec3::ZERO, Rgb::ONE);
+        let names = self.painted.as_ref().map(|painted| painted.names);
         for property in &element.properties {
             let axis_of = |names: [&str; 3]| names.iter().position(|name| *name == property.name);
+            if let (Some(channel), None) = (names.and_then(axis_of), property.length) {
+                code[channel] = self.body.number(property.kind, || place(element, number))? / property.kind.white();
+                continue;
+            }
             match (axis_of(POSITION), axis_of(NORMAL), property.length) {
                 (Some(axis), _, None) => {
                     position[axis] = self.body.number(property.kind, || place(element, number))?;
@@ -127,6 +176,7 @@ impl Reader<'_> {
             return Err(FormatError::NotFinite { file, place, value: position.to_string() });
         }
         self.vertices += 1;
+        self.painted.iter_mut().for_each(|painted| painted.codes.push(code));
         Ok(())
     }
 
@@ -141,21 +191,62 @@ impl Reader<'_> {
             for _ in 0..count {
                 self.builder.budget.spend(1, self.file, || place(element, number))?;
                 let index = self.body.whole(property.kind, || place(element, number))?;
-                let corner = u32::try_from(index).ok().filter(|_| index < self.vertices as u64);
-                corners.push(corner.ok_or_else(|| FormatError::BadIndex {
-                    file: self.file.to_owned(),
-                    place: place(element, number),
-                    index,
-                    count: self.vertices,
-                })?);
+                corners.push(self.corner(index, || place(element, number))?);
             }
             if corners.len() >= 3 {
-                self.builder.polygon(self.surface, corners);
+                self.polygon(corners);
             } else {
                 self.too_few_corners += 1;
             }
         }
         Ok(())
+    }
+
+    /// Strips of triangles: each vertex makes one with the two before it; -1 ends a strip.
+    fn strip(&mut self, element: &Element, number: u64) -> Result<(), FormatError> {
+        for property in &element.properties {
+            let Some(length) = property.length.filter(|_| CORNERS.contains(&property.name.as_str())) else {
+                self.skip(property, element, number)?;
+                continue;
+            };
+            let count = self.body.whole(length, || place(element, number))?;
+            let mut strip: Vec<u32> = Vec::new();
+            for _ in 0..count {
+                self.builder.budget.spend(3, self.file, || place(element, number))?;
+                let index = self.body.number(property.kind, || place(element, number))?;
+                if index < 0.0 {
+                    strip.clear();
+                    continue;
+                }
+                // Indices are whole and far below 2^53; others are not below the count.
+                strip.push(self.corner(index as u64, || place(element, number))?);
+                if let [.., a, b, c] = strip[..] {
+                    let triangle = if strip.len() % 2 == 1 { [a, b, c] } else { [b, a, c] };
+                    if a != b && b != c && c != a {
+                        self.polygon(triangle.to_vec());
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn corner(&self, index: u64, place: impl Fn() -> String) -> Result<u32, FormatError> {
+        let corner = u32::try_from(index).ok().filter(|_| index < self.vertices as u64);
+        corner.ok_or_else(|| FormatError::BadIndex {
+            file: self.file.to_owned(),
+            place: place(),
+            index,
+            count: self.vertices,
+        })
+    }
+
+    fn polygon(&mut self, corners: Vec<u32>) {
+        let (surface, corners) = match &mut self.painted {
+            None => (self.surface, corners),
+            Some(painted) => painted.place(&corners, self.surface, &mut self.builder),
+        };
+        self.builder.polygon(surface, corners);
     }
 
     fn other(&mut self, element: &Element, number: u64) -> Result<(), FormatError> {
@@ -232,7 +323,6 @@ mod tests {
             warnings,
             [
                 Warning::TooFewCorners { polygons: 1 },
-                Warning::ColouredVertices { vertices: 4 },
                 Warning::WithoutMaterial { polygons: 1 },
                 Warning::UnknownStatements { statements: 1, kinds: vec!["edge".into()] },
             ]
@@ -255,6 +345,31 @@ mod tests {
         let read_with = |header: &str| read(format!("{header}end_header\n{}\n", rows.join("\n")).as_bytes()).unwrap().0;
         assert_eq!(read_with(header).surfaces.raw[0].normals, [DVec3::Z, DVec3::Y, DVec3::ZERO, DVec3::ZERO]);
         assert!(read_with(&header.replace("ny", "confidence")).surfaces.raw[0].normals.is_empty());
+    }
+
+    #[test]
+    fn colours_of_vertices_are_what_polygons_reflect() {
+        let with =
+            text().replace("property uchar red", "property uchar red\nproperty uchar green\nproperty uchar blue");
+        let with = with.replace(" 9\n", " 255 0 188\n");
+        let (scene, warnings) = read(with.as_bytes()).unwrap();
+        let painted = scene.surfaces.iter().find(|surface| !surface.polygons.is_empty()).unwrap();
+        assert_eq!((painted.polygons.clone(), painted.positions_m.len()), (vec![vec![0, 1, 2, 3]], 4));
+        let reflectance = scene.materials[painted.material].reflectance;
+        assert!((reflectance - Rgb::new(0.9, 0.0, 0.503)).abs().max_element() < 0.01, "{reflectance}");
+        assert!(!warnings.iter().any(|warning| matches!(warning, Warning::WithoutMaterial { .. })), "{warnings:?}");
+    }
+
+    #[test]
+    fn strips_of_triangles_are_read() {
+        let header = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\n\
+            property list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n";
+        let read_strip = |strip: &str| read(format!("ply\nformat ascii 1.0\n{header}{strip}\n").as_bytes());
+        let polygons = |strip: &str| read_strip(strip).unwrap().0.surfaces.raw[0].polygons.clone();
+        assert_eq!(polygons("4 0 1 2 3"), [[0, 1, 2], [2, 1, 3]]);
+        assert_eq!(polygons("7 0 1 2 -1 1 3 2"), [[0, 1, 2], [1, 3, 2]]);
+        assert_eq!(polygons("5 0 1 1 2 3"), [[1, 2, 3]], "what has no area is left out");
+        assert!(read_strip("3 0 1 4").is_err());
     }
 
     #[test]

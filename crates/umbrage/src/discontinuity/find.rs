@@ -371,7 +371,7 @@ mod tests {
 
     #[test]
     fn lamps_cast_shadows_of_degree_0_where_they_fall() {
-        use crate::scene::LampKind;
+        use crate::scene::{Lamp, LampKind};
         let polygons = [floor(), square(DVec3::Z, 0.5, 0.0, true)];
         let prepared = fixture::prepared(&polygons);
         let visibility = Visibility::new(&prepared);

@@ -13,7 +13,9 @@ use glam::{DVec2, DVec3};
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree, RTreeObject};
 
+use super::PrepareError;
 use super::coplanar::Planes;
+use super::entangled::Meetings;
 use super::soup::Polygon;
 use super::triangulation;
 use super::weld::Points;
@@ -48,8 +50,9 @@ pub(super) fn contacts(
     points: &mut Points,
     tolerance: &Tolerance,
     dropped: &mut usize,
+    meetings: &Meetings,
     mut pulse: impl FnMut() -> Result<(), Cancelled>,
-) -> Result<Vec<Contact>, Cancelled> {
+) -> Result<Vec<Contact>, PrepareError> {
     let pieces = pieces(soup, planes, points, tolerance);
     let slack = DVec3::splat(tolerance.weld_m());
     let boxes = pieces.iter().enumerate().map(|(i, piece)| {
@@ -63,6 +66,7 @@ pub(super) fn contacts(
     let mut others: Vec<usize> = Vec::new();
     for (i, bounding_box) in boxes.iter().enumerate() {
         let range: AABB<[f64; 3]> = bounding_box.envelope();
+        let before = contacts.len();
         others.clear();
         others.extend(tree.locate_in_envelope_intersecting(range).map(|o| o.data).filter(|&j| j > i));
         others.sort_unstable();
@@ -71,6 +75,8 @@ pub(super) fn contacts(
                 meet(&pieces[i], &pieces[j], planes, points, tolerance, dropped, &mut contacts);
             }
         }
+        meetings.add(contacts.len() - before);
+        meetings.check()?;
         if (tried + others.len()) / PAIRS_PER_PULSE > tried / PAIRS_PER_PULSE {
             pulse()?;
         }
@@ -249,7 +255,15 @@ mod tests {
     fn contacts_of(polygons: &[&[[f64; 3]]]) -> Vec<[[i64; 3]; 2]> {
         let mut small = Small::new(polygons);
         let mut dropped = 0;
-        let found = contacts(&small.soup, &small.planes, &mut small.points, &TOLERANCE, &mut dropped, || Ok(()));
+        let found = contacts(
+            &small.soup,
+            &small.planes,
+            &mut small.points,
+            &TOLERANCE,
+            &mut dropped,
+            &Meetings::of(99),
+            || Ok(()),
+        );
         assert_eq!(dropped, 0);
         found.unwrap().iter().map(|c| small.micrometres(c.ends)).collect()
     }

@@ -20,6 +20,17 @@ pub enum PrepareError {
         /// The largest extent that can be held, in metres.
         most_m: f64,
     },
+    /// Polygons meet each other so often that cutting them along all of these lines would end in nothing but dust, after hours.
+    #[error(
+        "{polygons} polygons cross or overlap each other in more than {limit} places: remove those that are there several times; \
+         those that cross in different planes are left uncut with --no-intersect"
+    )]
+    Entangled {
+        /// How many polygons there are.
+        polygons: usize,
+        /// In how many places they may meet.
+        limit: usize,
+    },
     /// No polygon has an area.
     #[error("{place}: has no area{}: nothing can be baked", of_others(*others))]
     NoArea {

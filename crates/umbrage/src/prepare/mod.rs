@@ -26,6 +26,7 @@ mod crossing;
 mod curved;
 mod diagonal;
 mod draft;
+mod entangled;
 mod error;
 mod face;
 mod merge;

@@ -18,8 +18,10 @@ use rstar::RTree;
 use rstar::primitives::{GeomWithData, Rectangle};
 use smallvec::SmallVec;
 
+use super::PrepareError;
 use super::coplanar::Planes;
 use super::crossing::{Span, crossing};
+use super::entangled::Meetings;
 use super::near::{NearSegment, PlacedPoint, points_within};
 use super::weld::Points;
 use crate::geometry::Tolerance;
@@ -107,14 +109,15 @@ impl Segments {
         planes: &Planes,
         points: &mut Points,
         tolerance: &Tolerance,
+        meetings: &Meetings,
         mut pulse: impl FnMut() -> Result<(), Cancelled>,
-    ) -> Result<usize, Cancelled> {
+    ) -> Result<usize, PrepareError> {
         for _ in 0..MOST_ROUNDS {
             while !self.fresh.is_empty() {
                 self.cut_at_points(planes, points, tolerance);
                 pulse()?;
             }
-            let crossings = self.cut_at_crossings(planes, points, tolerance);
+            let crossings = self.cut_at_crossings(planes, points, tolerance, meetings)?;
             pulse()?;
             if crossings == 0 {
                 return Ok(0);
@@ -168,7 +171,13 @@ impl Segments {
     }
 
     /// Cuts edges where they cross; returns how many cuts there were.
-    fn cut_at_crossings(&mut self, planes: &Planes, points: &mut Points, tolerance: &Tolerance) -> usize {
+    fn cut_at_crossings(
+        &mut self,
+        planes: &Planes,
+        points: &mut Points,
+        tolerance: &Tolerance,
+        meetings: &Meetings,
+    ) -> Result<usize, PrepareError> {
         let new: Vec<usize> =
             std::mem::take(&mut self.uncrossed).into_iter().filter(|&i| self.all[i].is_whole()).collect();
         let boxes = self.all.iter().enumerate().filter(|(_, s)| s.is_whole()).map(|(i, s)| {
@@ -182,6 +191,9 @@ impl Segments {
         let found: Vec<Vec<(usize, DVec3)>> = new
             .par_iter()
             .map(|&i| {
+                if !meetings.add(0) {
+                    return Vec::new();
+                }
                 let near = NearSegment::new(self.all[i].ends.map(|v| points[v]), 2.0 * tolerance.weld_m());
                 let mut met: Vec<(usize, DVec3)> = tree
                     .locate_with_selection_function(near)
@@ -190,9 +202,11 @@ impl Segments {
                     .filter_map(|j| Some((j, crossing(&span(i), &span(j), planes, tolerance)?)))
                     .collect();
                 met.sort_unstable_by_key(|&(j, _)| j);
+                meetings.add(met.len());
                 met
             })
             .collect();
+        meetings.check()?;
         let mut nodes: Vec<Vec<VertexId>> = vec![Vec::new(); self.all.len()];
         for (&i, met) in new.iter().zip(found) {
             for (j, place) in met {
@@ -206,7 +220,7 @@ impl Segments {
             points_on_it.dedup();
             cuts += usize::from(self.cut_one(i, &points_on_it, points));
         }
-        cuts
+        Ok(cuts)
     }
 
     /// Cuts an edge at points on it, or at one of them where not all pieces would be shorter. Returns whether it did.
@@ -252,7 +266,7 @@ mod tests {
         for (polygon, &(plane, _)) in small.soup.iter().zip(&small.planes.of_polygon) {
             polygon.sides().for_each(|ends| segments.add(ends, &[plane]));
         }
-        assert_eq!(segments.cut(&small.planes, &mut small.points, &TOLERANCE, || Ok(())), Ok(0));
+        assert_eq!(segments.cut(&small.planes, &mut small.points, &TOLERANCE, &Meetings::of(9), || Ok(())), Ok(0));
         let mut all = Vec::new();
         for side in small.soup.iter().flat_map(Polygon::sides) {
             let mut pieces = Vec::new();

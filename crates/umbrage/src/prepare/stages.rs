@@ -8,6 +8,7 @@ use super::arrangement::{Arrangement, PlaneEdge};
 use super::contact::{self, Contact};
 use super::coplanar::{self, Planes};
 use super::draft::{Draft, Fronts};
+use super::entangled::Meetings;
 use super::needed::{self, NeededEdge, Use};
 use super::node::Segments;
 use super::orient;
@@ -52,7 +53,7 @@ pub fn prepare(scene: &Scene, progress: Progress<'_>) -> Result<Prepared, Prepar
 ///
 /// # Errors
 /// [`PrepareError::Extent`] and [`PrepareError::NoArea`] for scenes that cannot be held or have nothing to light, and
-/// [`PrepareError::Cancelled`].
+/// [`PrepareError::Cancelled`]; [`PrepareError::Entangled`] where polygons meet each other too often.
 pub fn prepare_with(
     scene: &Scene,
     settings: PrepareSettings,
@@ -87,18 +88,20 @@ pub fn draft(scene: &Scene, settings: PrepareSettings, progress: Progress<'_>) -
     let skins = Skins::new(scene, &soup, &planes, &points, settings.smooth);
     report.unusable_normals = skins.unusable_normals;
     pulse(2)?;
+    let meetings = Meetings::of(soup.len());
     let contacts = if settings.cut_contacts {
-        contact::contacts(&soup, &planes, &mut points, &tolerance, &mut report.dropped_cuts, || pulse(2))?
+        contact::contacts(&soup, &planes, &mut points, &tolerance, &mut report.dropped_cuts, &meetings, || pulse(2))?
     } else {
         Vec::new()
     };
     pulse(3)?;
+    meetings.restart();
     let mut segments = Segments::default();
     for (polygon, &(plane, _)) in soup.iter().zip(&planes.of_polygon) {
         polygon.sides().for_each(|ends| segments.add(ends, &[plane]));
     }
     contacts.iter().for_each(|c| segments.add(c.ends, &c.planes));
-    report.dropped_cuts += segments.cut(&planes, &mut points, &tolerance, || pulse(3))?;
+    report.dropped_cuts += segments.cut(&planes, &mut points, &tolerance, &meetings, || pulse(3))?;
     pulse(4)?;
     let (by_plane, t_vertices) = edges_by_plane(&soup, &planes, &contacts, &segments, corners);
     report.t_vertices = t_vertices;

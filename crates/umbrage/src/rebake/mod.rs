@@ -243,6 +243,10 @@ pub fn rebake(
         return Err(NotReusable::Damaged.into());
     }
     let lit = show(scene, settings, &linked, solved, &before, clock, progress)?;
+    // Numbers that fit their places can still be of no light at all.
+    if lit.bake.mesh.validate().is_err() {
+        return Err(NotReusable::Damaged.into());
+    }
     Ok((lit.bake, change))
 }
 

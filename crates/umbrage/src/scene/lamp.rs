@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::Rgb;
+use super::bounds::{MAX_BRIGHTNESS, MAX_COORDINATE_M};
 
 /// The least difference of the cosines of a spot's cones, so that nothing is divided by zero where they are one and the light has a
 /// sharp border. The extension recommends 0.001, which dims all cones of less than 2.6 degrees.
@@ -178,7 +179,8 @@ impl Lamp {
     /// What is wrong with it: a property, and what it must be.
     pub(super) fn defect(&self) -> Option<&'static str> {
         let unit = |direction: DVec3| (direction.length() - 1.0).abs() < 1e-6;
-        let bright = |light: Rgb| light.is_finite() && light.min_element() >= 0.0;
+        let bright =
+            |light: Rgb| light.is_finite() && light.min_element() >= 0.0 && light.max_element() <= MAX_BRIGHTNESS;
         let (position_m, direction, light, range_m) = match self.kind {
             LampKind::Point { position_m, intensity, range_m } => (position_m, DVec3::X, intensity, range_m),
             LampKind::Spot { position_m, direction, intensity, range_m, .. } => {
@@ -192,12 +194,12 @@ impl Lamp {
             }
             LampKind::Point { .. } | LampKind::Directional { .. } => true,
         };
-        if !position_m.is_finite() {
-            Some("its position must be finite")
+        if !(position_m.is_finite() && position_m.abs().max_element() <= MAX_COORDINATE_M) {
+            Some("its position must be finite, and within 4e11 m: mend it in the file, or say its unit with --unit")
         } else if !unit(direction) {
             Some("its direction must be a unit vector")
         } else if !bright(light) {
-            Some("its brightness must be finite and not negative")
+            Some("its brightness must be finite, not negative and at most 1e15: mend it in the file")
         } else if range_m.is_some_and(|range_m| !(range_m.is_finite() && range_m > 0.0)) {
             Some("its range must be above 0")
         } else if !cones {

@@ -72,6 +72,8 @@ pub struct Look {
     pub texture: Option<Texture>,
     /// Its transparency.
     pub alpha: Alpha,
+    /// Radiance that it shows beside what it emits and reflects, and does not cast, in W/(m2 sr).
+    pub glow: Rgb,
     /// What an application has put beside it, as JSON.
     pub extras: Option<String>,
 }

@@ -40,6 +40,16 @@ impl Material {
         PI * self.radiance
     }
 
+    /// Radiance that is seen of it in the dark: what it emits, and what it only shows, in W/(m2 sr).
+    pub fn shown_radiance(&self) -> Rgb {
+        self.radiance + self.look.glow
+    }
+
+    /// Whether a face of it is seen in the dark.
+    pub fn shines(&self) -> bool {
+        self.shown_radiance().max_element() > 0.0
+    }
+
     /// Whether a face of it is a light.
     pub fn emits(&self) -> bool {
         self.radiance.max_element() > 0.0

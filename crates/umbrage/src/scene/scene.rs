@@ -2,8 +2,20 @@
 
 use glam::{DVec2, DVec3};
 
+use super::bounds::{MAX_BRIGHTNESS, MAX_COORDINATE_M};
 use super::{Camera, Image, Lamp, Material, Rgb};
 use crate::id::{ImageId, LampId, MaterialId, NodeId, SurfaceId, Table};
+
+/// Characters of a name that a message shows.
+const SHOWN_CHARACTERS: usize = 80;
+
+/// A name as messages have it.
+fn shown(name: &str) -> String {
+    match name.char_indices().nth(SHOWN_CHARACTERS) {
+        Some((end, _)) => format!("{}...", &name[..end]),
+        None => name.to_owned(),
+    }
+}
 
 /// A node of the scene's hierarchy. Surfaces are already in world space, so a node holds no transform.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -94,6 +106,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Lamps without extent; surfaces that emit are light sources too.
     pub lamps: Table<LampId, Lamp>,
+    /// Whether light is photometric: lumens, lux and cd/m2 stand where watts are said elsewhere.
+    pub photometric: bool,
     /// Whose work it is, as in the file.
     pub copyright: Option<String>,
     /// What an application has put beside the scene, as JSON.
@@ -111,15 +125,19 @@ pub enum SceneError {
     /// No polygon emits light, and there is no lamp.
     #[error(
         "nothing emits light: give a material an emissive colour in the file (glTF: emissiveFactor, OBJ: Ke, MGF: ed), \
-         with --emit MATERIAL=r,g,b, or with a TOML beside the scene (SCENE.umbrage.toml or --materials FILE), which may also have lamps; its \
-         materials are {known}"
+         with --emit MATERIAL=r,g,b, or with a TOML beside the scene (SCENE.umbrage.toml or --materials FILE), which may also have lamps. Blender \
+         exports its lamps only with Data > Lighting > Punctual Lights ticked; area lamps and the world are not in a glTF at all: give a \
+         surface emission instead. Materials of the scene are {known}"
     )]
     Lightless {
         /// The names of its materials, the first few.
         known: String,
     },
-    /// A coordinate is NaN or infinite.
-    #[error("{place}: corner {corner} is at {position}, which is not a finite point: export the mesh again")]
+    /// A coordinate is NaN or infinite, or farther away than anything can be.
+    #[error(
+        "{place}: corner {corner} is at {position}, which is not a finite point within {MAX_COORDINATE_M:e} m: mend the mesh, or say its \
+         unit with --unit"
+    )]
     NotFinite {
         /// Surface and polygon.
         place: String,
@@ -185,7 +203,7 @@ impl Scene {
     fn surface_place(&self, surface: &Surface) -> String {
         let node = &self.nodes[surface.node];
         let node_name = node.name.as_deref().or(node.mesh_name.as_deref()).unwrap_or("unnamed");
-        format!("node {node_name:?}, material {:?}", self.materials[surface.material].name)
+        format!("node {:?}, material {:?}", shown(node_name), shown(&self.materials[surface.material].name))
     }
 
     /// Number of polygons of all surfaces.
@@ -208,7 +226,7 @@ impl Scene {
             return Err(SceneError::Empty);
         }
         for m in &self.materials {
-            let bad = |what, value, bound| Err(SceneError::BadMaterial { name: m.name.clone(), what, value, bound });
+            let bad = |what, value, bound| Err(SceneError::BadMaterial { name: shown(&m.name), what, value, bound });
             if !(m.reflectance.is_finite() && m.reflectance.min_element() >= 0.0 && m.reflectance.max_element() <= 1.0)
             {
                 return bad("reflectance", m.reflectance, "between 0 and 1");
@@ -216,10 +234,17 @@ impl Scene {
             if !(m.radiance.is_finite() && m.radiance.min_element() >= 0.0) {
                 return bad("radiance", m.radiance, "finite and not negative");
             }
+            if m.radiance.max_element() > MAX_BRIGHTNESS {
+                return bad(
+                    "radiance",
+                    m.radiance,
+                    "at most 1e15 W/(m2 sr): mend it in the file, or give another with --emit",
+                );
+            }
         }
         for lamp in &self.lamps {
             if let Some(bound) = lamp.defect() {
-                return Err(SceneError::BadLamp { name: lamp.name.clone(), bound });
+                return Err(SceneError::BadLamp { name: shown(&lamp.name), bound });
             }
         }
         for surface in self.surfaces.iter().chain(&self.see_through) {
@@ -235,7 +260,7 @@ impl Scene {
                     let Some(&position) = surface.positions_m.get(index as usize) else {
                         return Err(SceneError::BadIndex { place: place(), index, count: surface.positions_m.len() });
                     };
-                    if !position.is_finite() {
+                    if !(position.is_finite() && position.abs().max_element() <= MAX_COORDINATE_M) {
                         return Err(SceneError::NotFinite { place: place(), corner, position });
                     }
                 }
@@ -249,7 +274,7 @@ impl Scene {
     /// The names of the first few materials, for messages.
     fn material_names(&self) -> String {
         const LISTED: usize = 12;
-        let names: Vec<String> = self.materials.iter().take(LISTED).map(|m| format!("{:?}", m.name)).collect();
+        let names: Vec<String> = self.materials.iter().take(LISTED).map(|m| format!("{:?}", shown(&m.name))).collect();
         let more = if self.materials.len() > LISTED { ", ..." } else { "" };
         names.join(", ") + more
     }
@@ -257,7 +282,7 @@ impl Scene {
 
 #[cfg(test)]
 mod tests {
-    use super::super::cornell;
+    use super::super::{LampKind, cornell};
     use super::*;
 
     #[test]
@@ -286,6 +311,26 @@ mod tests {
         scene.surfaces[first].positions_m[index].y = f64::NAN;
         let message = scene.validate().unwrap_err().to_string();
         assert!(message.contains("polygon 1") && message.contains("corner 2"), "{message}");
+    }
+
+    #[test]
+    fn what_is_beyond_all_bounds_is_refused_with_its_place() {
+        let first = SurfaceId::from(0);
+        for huge in [1e100, 1e308] {
+            let mut scene = cornell::cornell_box();
+            scene.surfaces[first].positions_m[0].y = huge;
+            let message = scene.validate().unwrap_err().to_string();
+            assert!(message.contains("polygon 0") && message.contains("--unit"), "{message}");
+            let mut scene = cornell::cornell_box();
+            scene.materials[MaterialId::from(3)].radiance.x = huge;
+            let message = scene.validate().unwrap_err().to_string();
+            assert!(message.contains("\"light\": radiance") && message.contains("--emit"), "{message}");
+            let mut scene = cornell::cornell_box();
+            let kind = LampKind::Point { position_m: DVec3::ONE, intensity: Rgb::splat(huge), range_m: None };
+            scene.lamps.push(Lamp { name: "b".repeat(100_000), kind });
+            let message = scene.validate().unwrap_err().to_string();
+            assert!(message.contains("brightness") && message.len() < 300, "{message}");
+        }
     }
 
     #[test]

@@ -235,14 +235,6 @@ impl Terms {
     }
 }
 
-#[cfg(test)]
-impl Terms {
-    /// Sum of the factors of patches.
-    pub(super) fn factors(&self) -> f64 {
-        self.of_patches.iter().map(|term| f64::from(term.factor)).sum()
-    }
-}
-
 /// What the faces of each cluster send where patches reflect `radiosity`, in W/m2.
 fn crowds(
     prepared: &Prepared,

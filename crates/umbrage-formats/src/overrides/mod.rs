@@ -10,6 +10,13 @@
 //! reflectance = 0.5           # share of light, 0 to 1
 //! double_sided = true
 //!
+//! [materials.dome]
+//! casts_shadow = false        # light passes through it; it is shown in mean light
+//!
+//! [nodes.chandelier]          # all that hangs below it
+//! emission = 40
+//! casts_shadow = false
+//!
 //! [[lamps]]                   # a sun: where its light goes to, and W/m2 on what faces it
 //! direction = [-1, -3, -2]
 //! irradiance = [3, 2.9, 2.7]
@@ -19,22 +26,37 @@
 //! position = [0, 2.2, 0]
 //! intensity = 8
 //! ```
+//! With `lamp_unit = "file"` at the top, positions of lamps are in the unit of the scene's file, as far as that was said.
 //! A bulb with a `direction` is a spot, of `outer_degrees` from its axis (45 if it does not say), soft from `inner_degrees` (0) on.
 //! A name that the scene has not is an error, which names the most similar one: a lamp that silently stays dark would be
 //! worse. All materials of a name change; what is said later wins, but that of the whole scene never wins over that of one material.
 
-use std::fs;
+mod faint;
+mod lamp;
+mod node;
+
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use toml::{Table, Value};
-use umbrage::scene::{Lamp, LampKind, Rgb, Scene};
+use umbrage::scene::{Lamp, MAX_BRIGHTNESS, Rgb, Scene};
 
-use crate::similar::{listed, most_similar};
+use self::lamp::read_lamp;
+use self::node::{NodeChange, NodeChanges};
+use crate::beside::read_up_to;
+use crate::similar::{alike, most_similar};
+use crate::text::{shortened, utf8};
 use crate::{FormatError, Warning};
 
 /// What a message calls the options of a command.
 const OPTIONS: &str = "the options";
+
+/// Larger files are refused: what a TOML becomes takes some hundred times its bytes.
+const MAX_TOML_BYTES: u64 = 4 << 20;
+
+/// A lamp is far away where it is farther than so many times the scene's extent from its middle.
+const FAR_IN_EXTENTS: f64 = 10.0;
 
 /// A material's name and a colour, as `MATERIAL=r,g,b` or `MATERIAL=grey`.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,10 +85,12 @@ impl FromStr for MaterialColour {
 }
 
 fn check(colour: Rgb) -> Result<(), String> {
-    if colour.is_finite() && colour.min_element() >= 0.0 {
-        Ok(())
-    } else {
+    if !(colour.is_finite() && colour.min_element() >= 0.0) {
         Err("must be finite and not negative".into())
+    } else if colour.max_element() > MAX_BRIGHTNESS {
+        Err(format!("must be at most {MAX_BRIGHTNESS:e}"))
+    } else {
+        Ok(())
     }
 }
 
@@ -89,15 +113,27 @@ enum Change {
     Emission(Rgb),
     Reflectance(Rgb),
     DoubleSided(bool),
+    CastsShadow(bool),
 }
 
 /// Changes to materials, in the order in which they are made, and lamps.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Overrides {
     /// Whether all materials are double-sided, but for those that `list` changes.
     double_sided: Option<bool>,
     list: Vec<Override>,
+    nodes: NodeChanges,
     lamps: Vec<Lamp>,
+    lamps_in_file_unit: bool,
+    /// Length of the file's unit, in metres.
+    unit_m: f64,
+}
+
+impl Default for Overrides {
+    fn default() -> Self {
+        let nodes = NodeChanges::default();
+        Self { double_sided: None, list: Vec::new(), nodes, lamps: Vec::new(), lamps_in_file_unit: false, unit_m: 1.0 }
+    }
 }
 
 impl Overrides {
@@ -112,7 +148,10 @@ impl Overrides {
     /// A [`FormatError`] that names the file and the line or the entry.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, FormatError> {
         let file = path.as_ref().display().to_string();
-        let text = fs::read_to_string(path).map_err(|source| FormatError::Unreadable { file: file.clone(), source })?;
+        let unreadable = |source| FormatError::Unreadable { file: file.clone(), source };
+        let bytes = read_up_to(path.as_ref(), MAX_TOML_BYTES).map_err(unreadable)?;
+        let text =
+            String::from_utf8(utf8(bytes)).map_err(|error| unreadable(std::io::Error::other(error.utf8_error())))?;
         Self::parse(&file, &text)
     }
 
@@ -140,16 +179,30 @@ impl Overrides {
                         overrides.lamps.push(read_lamp(file, number + 1, lamp)?);
                     }
                 }
+                ("nodes", Value::Table(nodes)) => {
+                    for (node, value) in nodes {
+                        overrides.nodes.read(file, node, value)?;
+                    }
+                }
+                ("lamp_unit", Value::String(unit)) if unit == "file" => overrides.lamps_in_file_unit = true,
+                ("lamp_unit", Value::String(unit)) if unit == "m" => overrides.lamps_in_file_unit = false,
+                ("lamp_unit", _) => return Err(bad(file, key.clone(), "is neither \"m\" nor \"file\"".into())),
                 ("double_sided", Value::Boolean(double_sided)) => overrides.double_sided = Some(*double_sided),
                 ("double_sided", _) => return Err(bad(file, key.clone(), "is neither true nor false".into())),
-                ("materials" | "lamps", _) => {
+                ("materials" | "nodes" | "lamps", _) => {
                     return Err(bad(
                         file,
                         key.clone(),
-                        format!("should be [materials.NAME] or [[lamps]], not {key} = ..."),
+                        format!("should be [materials.NAME], [nodes.NAME] or [[lamps]], not {key} = ..."),
                     ));
                 }
-                _ => return Err(bad(file, key.clone(), unknown_key(key, &["materials", "lamps", "double_sided"]))),
+                _ => {
+                    return Err(bad(
+                        file,
+                        key.clone(),
+                        unknown_key(key, &["materials", "nodes", "lamps", "lamp_unit", "double_sided"]),
+                    ));
+                }
             }
         }
         Ok(overrides)
@@ -175,8 +228,11 @@ impl Overrides {
                     Change::Reflectance(reflectance)
                 }
                 ("double_sided", Value::Boolean(double_sided)) => Change::DoubleSided(*double_sided),
-                ("double_sided", _) => return Err(refuse("is neither true nor false".into())),
-                _ => return Err(refuse(unknown_key(key, &["emission", "reflectance", "double_sided"]))),
+                ("casts_shadow", Value::Boolean(casts_shadow)) => Change::CastsShadow(*casts_shadow),
+                ("double_sided" | "casts_shadow", _) => return Err(refuse("is neither true nor false".into())),
+                _ => {
+                    return Err(refuse(unknown_key(key, &["emission", "reflectance", "double_sided", "casts_shadow"])));
+                }
             };
             self.list.push(Override { from: file.to_owned(), material: material.to_owned(), change });
         }
@@ -210,13 +266,48 @@ impl Overrides {
     /// Adds all of `later`, which win.
     pub fn extend(&mut self, later: Self) {
         self.double_sided = later.double_sided.or(self.double_sided);
+        let lamps = later.lamps.iter().map(|lamp| later.in_metres(lamp));
+        self.lamps = self.lamps.iter().map(|lamp| self.in_metres(lamp)).chain(lamps).collect();
+        self.lamps_in_file_unit = false;
         self.list.extend(later.list);
-        self.lamps.extend(later.lamps);
+        self.nodes.extend(later.nodes);
     }
 
     /// Whether nothing is changed.
     pub fn is_empty(&self) -> bool {
-        self.double_sided.is_none() && self.list.is_empty() && self.lamps.is_empty()
+        self.double_sided.is_none() && self.list.is_empty() && self.nodes.is_empty() && self.lamps.is_empty()
+    }
+
+    /// Says how long the file's unit of length is, in metres: lamps with `lamp_unit = "file"` are in it.
+    pub fn set_unit_m(&mut self, unit_m: f64) {
+        self.unit_m = unit_m;
+    }
+
+    /// The materials that give no light, whatever the scene's file says: what is seen on them is then their base colour, if the scene
+    /// is read with them in [`ReadOptions::dark`](crate::ReadOptions::dark).
+    pub fn dark_materials(&self) -> Vec<String> {
+        let mut last: BTreeMap<&str, Rgb> = BTreeMap::new();
+        for change in &self.list {
+            if let Change::Emission(radiance) = change.change {
+                last.insert(&change.material, radiance);
+            }
+        }
+        last.into_iter().filter(|(_, radiance)| *radiance == Rgb::ZERO).map(|(name, _)| name.to_owned()).collect()
+    }
+
+    /// Lets all light pass through the nodes of a name, or that show a mesh of it, and all below them.
+    pub fn cast_no_shadow(&mut self, node: String) {
+        self.nodes.push(OPTIONS, node, NodeChange::CastsShadow(false));
+    }
+
+    /// Adds that what hangs below a node emits a radiance, in W/(m2 sr).
+    pub fn emit_from_node(&mut self, emission: MaterialColour) {
+        self.nodes.push(OPTIONS, emission.material, NodeChange::Emission(emission.colour));
+    }
+
+    fn in_metres(&self, lamp: &Lamp) -> Lamp {
+        let unit_m = if self.lamps_in_file_unit { self.unit_m } else { 1.0 };
+        lamp.clone().moved(|p| unit_m * p, |direction| direction, unit_m)
     }
 
     /// Changes the materials of a scene and adds the lamps; reflectances are capped at `max_reflectance` like those of the file, counted.
@@ -243,73 +334,20 @@ impl Overrides {
                         changed.reflectance = reflectance.min(cap);
                     }
                     Change::DoubleSided(double_sided) => changed.double_sided = double_sided,
+                    // That is of surfaces.
+                    Change::CastsShadow(_) => {}
                 }
             }
         }
-        scene.lamps.extend(self.lamps.iter().cloned());
+        let no_shadow = self.nodes.change(scene, &self.list)?;
+        let lamps: Vec<Lamp> = self.lamps.iter().map(|lamp| self.in_metres(lamp)).collect();
+        let far = far_lamps(scene, &lamps);
+        scene.lamps.extend(lamps);
+        let emitting = self.list.iter().filter(|change| matches!(change.change, Change::Emission(_)));
+        let faint = faint::show_only(scene, &emitting.map(|change| change.material.as_str()).collect());
         let warning = Warning::ReflectanceCapped { materials: capped, max_reflectance };
-        Ok(if capped > 0 { vec![warning] } else { Vec::new() })
+        Ok((capped > 0).then_some(warning).into_iter().chain(no_shadow).chain(far).chain(faint).collect())
     }
-}
-
-/// Half the angle of a spot that does not say, in degrees: what glTF takes.
-const OUTER_DEGREES: f64 = 45.0;
-
-/// A lamp of the TOML; `number` counts from 1.
-fn read_lamp(file: &str, number: usize, value: &Value) -> Result<Lamp, FormatError> {
-    let place = format!("lamps, number {number}");
-    let refuse = |what: String| bad(file, place.clone(), what);
-    let Value::Table(table) = value else { return Err(refuse("is not a table".into())) };
-    let known = ["name", "position", "direction", "intensity", "irradiance", "inner_degrees", "outer_degrees"];
-    if let Some(key) = table.keys().find(|key| !known.contains(&key.as_str())) {
-        return Err(bad(file, format!("{place}, {key}"), unknown_key(key, &known)));
-    }
-    let vector = |key: &str| match table.get(key) {
-        None => Ok(None),
-        Some(value @ Value::Array(_)) => {
-            let vector = colour(value).filter(|vector| vector.is_finite());
-            vector.map(Some).ok_or_else(|| refuse(format!("{key} is not three finite numbers")))
-        }
-        Some(_) => Err(refuse(format!("{key} is not three finite numbers"))),
-    };
-    let light = |key: &str| match table.get(key) {
-        None => Ok(None),
-        Some(value) => {
-            let light =
-                colour(value).ok_or_else(|| refuse(format!("{key} is neither a number nor a list of three")))?;
-            check(light).map_err(|what| refuse(format!("{key} {what}")))?;
-            Ok(Some(light))
-        }
-    };
-    let degrees = |key: &str, default: f64| {
-        let degrees = table.get(key).map_or(Some(default), |value| colour(value).map(|x| x.x));
-        let fits = degrees.filter(|degrees| (0.0..=90.0).contains(degrees)).map(f64::to_radians);
-        fits.ok_or_else(|| refuse(format!("{key} is not between 0 and 90")))
-    };
-    let direction = vector("direction")?
-        .map(|direction| direction.try_normalize().ok_or_else(|| refuse("direction has no length".into())))
-        .transpose()?;
-    let kind = match (vector("position")?, direction, light("intensity")?, light("irradiance")?) {
-        (Some(position_m), None, Some(intensity), None) => LampKind::Point { position_m, intensity, range_m: None },
-        (Some(position_m), Some(direction), Some(intensity), None) => {
-            let (inner_rad, outer_rad) = (degrees("inner_degrees", 0.0)?, degrees("outer_degrees", OUTER_DEGREES)?);
-            if inner_rad > outer_rad {
-                return Err(refuse("inner_degrees is more than outer_degrees".into()));
-            }
-            LampKind::Spot { position_m, direction, intensity, range_m: None, inner_rad, outer_rad }
-        }
-        (None, Some(direction), None, Some(irradiance)) => LampKind::Directional { direction, irradiance },
-        _ => {
-            let what = "should have either a position and an intensity, or a direction and an irradiance";
-            return Err(refuse(what.into()));
-        }
-    };
-    let name = match table.get("name") {
-        None => format!("lamp {number}"),
-        Some(Value::String(name)) => name.clone(),
-        Some(_) => return Err(refuse("name is not a text".into())),
-    };
-    Ok(Lamp { name, kind })
 }
 
 fn bad(file: &str, place: String, what: String) -> FormatError {
@@ -340,24 +378,25 @@ fn unknown_key(key: &str, known: &[&str]) -> String {
 }
 
 fn unknown_material(scene: &Scene, change: &Override) -> FormatError {
-    let mut names: Vec<&str> = Vec::new();
-    for material in &scene.materials {
-        if !names.contains(&material.name.as_str()) {
-            names.push(&material.name);
-        }
-    }
-    let like = most_similar(&change.material, names.iter().copied());
-    let like = like.map_or(String::new(), |like| format!(", perhaps {like:?} is meant"));
-    FormatError::UnknownMaterial {
-        file: change.from.clone(),
-        name: change.material.clone(),
-        like,
-        known: listed(&names),
-    }
+    let (like, known) = alike(&change.material, scene.materials.iter().map(|material| material.name.as_str()));
+    FormatError::UnknownMaterial { file: change.from.clone(), name: shortened(&change.material), like, known }
+}
+
+/// The warning of lamps that are far away from a scene: they were meant in another unit.
+fn far_lamps(scene: &Scene, lamps: &[Lamp]) -> Option<Warning> {
+    let corners = || scene.surfaces.iter().flat_map(|surface| &surface.positions_m);
+    let (low, high) = corners().fold((Rgb::INFINITY, Rgb::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
+    let (middle, size_m) = (0.5 * (low + high), (high - low).length());
+    let distance = |lamp: &Lamp| Some((lamp.position_m()? - middle).length());
+    let is_far = |lamp: &&Lamp| distance(lamp).is_some_and(|distance_m| distance_m > FAR_IN_EXTENTS * size_m);
+    let first = lamps.iter().find(is_far)?;
+    let (name, distance_m) = (shortened(&first.name), distance(first)?);
+    Some(Warning::LampsFarAway { lamps: lamps.iter().filter(is_far).count(), first: name, distance_m, size_m })
 }
 
 #[cfg(test)]
 mod tests {
+    use umbrage::scene::LampKind;
     use umbrage::scene::cornell::cornell_box;
 
     use super::*;
@@ -422,6 +461,37 @@ mod tests {
     }
 
     #[test]
+    fn lamps_far_away_are_told_and_may_be_in_the_unit_of_the_file() {
+        let text = "[[lamps]]\nposition = [2, 2000, 3]\nintensity = 8\n";
+        let (mut scene, mut overrides) = (cornell_box(), parse(text).unwrap());
+        overrides.set_unit_m(0.001);
+        let warnings = overrides.apply(&mut scene, 0.9).unwrap();
+        assert!(matches!(warnings[..], [Warning::LampsFarAway { lamps: 1, .. }]), "{warnings:?}");
+        let message = warnings[0].to_string();
+        assert!(message.contains("\"lamp 1\"") && message.contains("lamp_unit = \"file\""), "{message}");
+        let mut overrides = parse(&format!("lamp_unit = \"file\"\n{text}")).unwrap();
+        overrides.set_unit_m(0.001);
+        let mut scene = cornell_box();
+        assert_eq!(overrides.apply(&mut scene, 0.9).unwrap(), []);
+        assert_eq!(scene.lamps.raw[0].position_m(), Some(Rgb::new(0.002, 2.0, 0.003)));
+    }
+
+    #[test]
+    fn equal_cones_are_read() {
+        let text = "[[lamps]]\nposition = [0, 1, 0]\ndirection = [0, -1, 0]\nintensity = 8\ninner_degrees = 30\nouter_degrees = 30\n";
+        let mut scene = cornell_box();
+        parse(text).unwrap().apply(&mut scene, 0.9).unwrap();
+        assert_eq!(scene.validate(), Ok(()));
+    }
+
+    #[test]
+    fn materials_that_give_no_light_are_told_to_the_reader() {
+        let mut overrides = parse("[materials.a]\nemission = 0\n[materials.b]\nemission = 0\n").unwrap();
+        overrides.emit("b=1".parse().unwrap());
+        assert_eq!(overrides.dark_materials(), ["a"]);
+    }
+
+    #[test]
     fn a_name_that_is_not_there_is_told_with_those_that_are() {
         let mut overrides = Overrides::default();
         overrides.emit("Whit=1,1,1".parse().unwrap());
@@ -437,7 +507,10 @@ mod tests {
     fn bad_files_are_named_by_line_or_entry() {
         for (text, words) in [
             ("[materials.a]\nemission = \n", "line 2"),
-            ("[material.a]\n", "material: is not one of materials, lamps, double_sided, perhaps materials is meant"),
+            (
+                "[material.a]\n",
+                "material: is not one of materials, nodes, lamps, lamp_unit, double_sided, perhaps materials is meant",
+            ),
             ("double_sided = 1\n", "double_sided: is neither true nor false"),
             ("lamps = 3\n", "[[lamps]]"),
             ("[[lamps]]\n", "lamps, number 1: should have either"),
@@ -452,6 +525,10 @@ mod tests {
             ("[materials.a]\nemission = -1\n", "not negative"),
             ("[materials.a]\nemission = inf\n", "finite"),
             ("[materials.a]\nreflectance = 1.5\n", "at most 1"),
+            ("[materials.a]\nemission = 1e100\n", "at most 1e15"),
+            ("lamp_unit = \"mm\"\n", "neither \"m\" nor \"file\""),
+            ("[nodes.a]\ncasts_shadow = 1\n", "nodes.a.casts_shadow: is neither true nor false"),
+            ("[nodes.a]\nemision = 1\n", "perhaps emission is meant"),
             ("[materials.a]\ndouble_sided = 1\n", "neither true nor false"),
             ("materials = { a = 1 }\n", "materials.a: is not a table"),
         ] {
