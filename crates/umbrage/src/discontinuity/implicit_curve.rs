@@ -18,8 +18,8 @@ use crate::geometry::clip;
 const PARTS_OF_SIDE: usize = 4;
 /// Halvings that find a crossing in an interval to rounding.
 const HALVINGS: usize = 50;
-/// A piece is halved no more often: 64 chords at most.
-const MAX_DEPTH: usize = 6;
+/// A piece is halved no more often: 256 chords at most.
+const MAX_DEPTH: usize = 8;
 /// How far from the middle of a chord the curve is searched for, as shares of its length, ascending.
 const SEARCHED: [f64; 5] = [1e-3, 0.01, 0.1, 0.5, 2.0];
 
@@ -172,7 +172,9 @@ mod tests {
             for [from, to] in chords(&square(), None, conic, 0.02) {
                 let across = 0.021 * (to - from).perp();
                 let middle = from.midpoint(to);
-                prop_assert!((conic(middle - across) > 0.0) != (conic(middle + across) > 0.0));
+                // Two branches may be so near to each other that both are crossed.
+                let signs: Vec<bool> = (-10..=10).map(|i| conic(middle + 0.1 * f64::from(i) * across) > 0.0).collect();
+                prop_assert!(signs.iter().any(|sign| *sign != signs[0]), "{a} {b} {c}: {from} {to}");
             }
         }
     }

@@ -212,7 +212,9 @@ pub fn shade(
             let sources = Sources::new(scene, prepared, direct, tree);
             let from = Gathering { prepared, visibility, tree, sources: &sources, light };
             let settings = RegressionSettings { tolerance: settings.tolerance, mean };
-            Indirect::Fitted(regress(from, gathering.clone(), &places, is_shown, settings, progress)?)
+            // Emitters show their own colour, and receive all the same.
+            let is_written = |face: FaceId| scene.surfaces[prepared.faces[face].surface].baked;
+            Indirect::Fitted(regress(from, gathering.clone(), &places, is_written, settings, progress)?)
         }
     };
     let (samples, of_fit) = match &light {

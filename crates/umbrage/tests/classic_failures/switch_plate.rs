@@ -109,6 +109,8 @@ fn at_most_1_percent_of_the_light_that_a_floating_switch_plate_takes_is_shown_be
 
 /// A triangle may err by so much of its own light, and by one tolerance of the mean light besides.
 const OF_OWN: f64 = 0.1;
+/// And below this share of all area by more, as the fourth root of its size falls: what is that small is hardly seen.
+const SEEN_OF_ALL: f64 = 3e-5;
 /// Triangles smaller than this share of all area may err.
 const LEAST_OF_ALL: f64 = 1e-7;
 
@@ -132,7 +134,8 @@ fn no_triangle_at_a_floating_switch_plate_errs_by_much_of_its_own_light() {
             own += exact / weights.len() as f64;
             squared += (between(triangle.irradiance).x - exact).powi(2) / weights.len() as f64;
         }
-        shares.push((squared.sqrt() / (OF_OWN * own + TOLERANCE * mean), triangle.corners[0]));
+        let seen = (triangle.area() / (SEEN_OF_ALL * area_m2)).powf(0.25).min(1.0);
+        shares.push((seen * squared.sqrt() / (OF_OWN * own + TOLERANCE * mean), triangle.corners[0]));
     }
     let (share, corner) = shares.into_iter().reduce(|most, next| if next.0 > most.0 { next } else { most }).unwrap();
     println!("of what it may, the triangle at {corner} errs by the greatest share: {share:.2}");

@@ -291,6 +291,7 @@ impl Pool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::texels::{Draws, Sequence, key_of};
 
     #[test]
     fn misfit_is_told_from_noise() {
@@ -301,10 +302,10 @@ mod tests {
         let judged = |wave: f32| {
             let samples: Vec<Sample> = (0..2048)
                 .map(|i| {
-                    let sequence = crate::texels::Sequence::new(5);
+                    let sequence = Sequence::new(5);
                     let [s, t, u, v] = sequence.at(i);
                     // Light of half of all directions, and a wave over the leaf that the fit does not know.
-                    let noise = if (u * 97.0).fract() < 0.5 { 2.0 } else { 0.0 };
+                    let noise = if Draws::new(key_of(i, 1)).next() < 0.5 { 2.0 } else { 0.0 };
                     let light = Vec3::splat(noise + wave * (9.0 * s).sin());
                     let direction = [u, v].map(|share| (share * 65_536.0) as u16);
                     Sample { at_m: [s, t], light, nearness: 0.0, direction }

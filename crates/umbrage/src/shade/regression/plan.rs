@@ -71,7 +71,9 @@ pub(super) fn plan(needs: &[Need], allowed: f64, max_samples: f64) -> Plan {
     let most = MAX_GROWTH * there + SAMPLES_MORE;
     let is_too_much = |price: f64| needs.iter().map(|need| need.wanted(price)).sum::<f64>() > most;
     if is_too_much(price) {
-        price = greatest(&is_too_much, price, allowed.max(price), 30)[1];
+        // At this one none is worthwhile.
+        let none = needs.iter().map(|need| need.noise / (need.samples * need.samples)).fold(price, f64::max);
+        price = greatest(&is_too_much, price, none, 30)[1];
     }
     let mut splits: Vec<PatchId> = needs.iter().filter(|need| need.depth(price) > 0).map(|need| need.leaf).collect();
     splits.sort_unstable();
