@@ -50,5 +50,5 @@ pub use emitter::Emitter;
 pub use features::Features;
 pub use find::{Discontinuities, at_least, find};
 pub use lamp_curve::LampCurve;
-pub use near_edges::{has_near_edges, near_edges};
+pub use near_edges::near_edges;
 pub use secondary::find_secondary;

@@ -30,11 +30,6 @@ const SIDEWAYS: f64 = 0.02;
 
 type Edges = RTree<GeomWithData<Rectangle<[f64; 3]>, EdgeId>>;
 
-/// Whether any outline is close before a face.
-pub fn has_near_edges(prepared: &Prepared, least_m: f64) -> bool {
-    !near_edges(prepared, least_m, |_| true).is_empty()
-}
-
 /// The outlines close before the faces that show light, where things smaller than `least_m` are not resolved.
 pub fn near_edges(prepared: &Prepared, least_m: f64, receives: impl Fn(FaceId) -> bool + Sync) -> Vec<DSegment> {
     let outline =

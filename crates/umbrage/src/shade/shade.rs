@@ -92,7 +92,7 @@ enum Indirect<'a> {
     /// Interpolated between points where it was gathered.
     Interpolated(Interpolated<'a>),
     /// Fitted to samples.
-    Fitted(FittedLight),
+    Fitted(Box<FittedLight>),
 }
 
 impl Indirect<'_> {
@@ -214,7 +214,7 @@ pub fn shade(
             let settings = RegressionSettings { tolerance: settings.tolerance, mean };
             // Emitters show their own colour, and receive all the same.
             let is_written = |face: FaceId| scene.surfaces[prepared.faces[face].surface].baked;
-            Indirect::Fitted(regress(from, gathering.clone(), &places, is_written, settings, progress)?)
+            Indirect::Fitted(Box::new(regress(from, gathering.clone(), &places, is_written, settings, progress)?))
         }
     };
     let (samples, of_fit) = match &light {

@@ -141,7 +141,7 @@ impl RayTree {
         let between = to - from;
         let length = between.length();
         let ray = Ray { from, along: between / length };
-        !(length > 0.0) || self.trace::<true>(ray, length - 4.0 * self.off_face_m).is_none()
+        length <= 0.0 || self.trace::<true>(ray, length - 4.0 * self.off_face_m).is_none()
     }
 
     /// The first side that a ray meets within a distance; with `ANY`, any of them.

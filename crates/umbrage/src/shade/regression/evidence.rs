@@ -22,6 +22,8 @@ const MAX_CLASSES: usize = 16;
 const OF_NO_CLASS: f32 = 0.5;
 /// Light that near geometry reflects may vary over the leaf by this share of itself.
 const NEAR_VARIES: f64 = 0.3;
+/// A residual counts as no more than so many standard deviations: else splits chase single rays that meet something bright.
+const MAX_DEVIATIONS: f64 = 4.0;
 /// At least this share of the samples counts as free of what was fitted.
 const MIN_FREE: f64 = 0.3;
 /// Where cells are fewer than so many samples hold, the estimate leans on the prior alone.
@@ -118,8 +120,12 @@ impl Evidence {
         let mut cells = vec![[0.0_f64; 4]; finest * finest];
         let radius_m = 0.5 * (high - low).length();
         let (mut squared, mut near) = (0.0, 0.0);
-        for (sample, residual) in samples.iter().zip(&residuals) {
-            let rest = (residual.as_dvec3() - classes.light(sample)).element_sum() / 3.0;
+        let rest =
+            |(sample, residual): (&Sample, &Vec3)| (residual.as_dvec3() - classes.light(sample)).element_sum() / 3.0;
+        let rests: Vec<f64> = samples.iter().zip(&residuals).map(rest).collect();
+        let most = MAX_DEVIATIONS * (rests.iter().map(|rest| rest * rest).sum::<f64>() / count).sqrt();
+        for (sample, rest) in samples.iter().zip(rests) {
+            let rest = rest.clamp(-most, most);
             let place = ((sample.at() - low) / (high - low) * finest as f64)
                 .clamp(DVec2::ZERO, DVec2::splat(finest as f64 - 0.01));
             let hidden = rest.abs() * (radius_m * f64::from(sample.nearness)).min(1.0).powi(3);
