@@ -5,6 +5,11 @@
 
 use std::path::Path;
 
+use umbrage::bake::{BakeError, BakeSettings, bake};
+use umbrage::progress::Progress;
+use umbrage::scene::Scene;
+use umbrage::shade::{BakedMesh, ShadeSettings};
+use umbrage::solve::SolveSettings;
 use umbrage_formats::{ReadOptions, read_scene_bytes};
 
 /// Reads a scene whose name ends in `ending`. Nothing beside it can be read, so the bytes are all that counts.
@@ -27,4 +32,29 @@ pub fn read(ending: &str, bytes: &[u8]) {
             warnings.iter().for_each(|warning| assert!(!warning.to_string().is_empty()));
         }
     }
+}
+
+/// Bakes a small scene coarsely; `None` where it is refused.
+///
+/// # Panics
+/// Where the baked mesh breaks a promise, or a refusal says nothing.
+pub fn coarse_bake(scene: &Scene) -> Option<BakedMesh> {
+    let settings = BakeSettings {
+        max_form_factor: Some(0.5),
+        min_area_m2: Some(f64::INFINITY),
+        solve: SolveSettings { max_iterations: 3, ..SolveSettings::default() },
+        // Enough for the shapes of all soups but the largest, which are refused.
+        shade: ShadeSettings { tolerance: 2.0, max_triangles: 1000 },
+        ..BakeSettings::default()
+    };
+    let baked = match bake(scene, &settings, Progress::silent()) {
+        Ok(baked) => baked.mesh,
+        Err(BakeError::Cancelled(_)) => unreachable!("nobody cancels"),
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            return None;
+        }
+    };
+    assert_eq!(baked.validate(), Ok(()));
+    Some(baked)
 }

@@ -7,12 +7,9 @@
 mod common;
 
 use glam::DVec3;
-use umbrage::bake::{BakeError, BakeSettings, bake};
 use umbrage::id::{MaterialId, NodeId, SurfaceId};
-use umbrage::progress::Progress;
 use umbrage::scene::{Lamp, LampKind, Material, Node, Rgb, Scene, Surface};
-use umbrage::shade::ShadeSettings;
-use umbrage::solve::SolveSettings;
+use umbrage_fuzz::coarse_bake;
 
 /// Polygons of a soup at most: a bake should take milliseconds.
 const MOST_POLYGONS: usize = 4;
@@ -49,23 +46,7 @@ fn soup(bytes: &[u8]) -> Option<Scene> {
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let Some(scene) = soup(bytes) else { return };
-    let settings = BakeSettings {
-        max_form_factor: Some(0.5),
-        min_area_m2: Some(f64::INFINITY),
-        solve: SolveSettings { max_iterations: 3, ..SolveSettings::default() },
-        // Enough for the shapes of all soups but the largest, which are refused.
-        shade: ShadeSettings { tolerance: 2.0, max_triangles: 1000 },
-        ..BakeSettings::default()
-    };
-    let baked = match bake(&scene, &settings, Progress::silent()) {
-        Ok(baked) => baked.mesh,
-        Err(BakeError::Cancelled(_)) => unreachable!("nobody cancels"),
-        Err(error) => {
-            assert!(!error.to_string().is_empty());
-            return;
-        }
-    };
-    assert_eq!(baked.validate(), Ok(()));
+    let Some(baked) = coarse_bake(&scene) else { return };
     let triangles = common::lit_triangles(&baked);
     assert_eq!(common::degenerate(&triangles, 1e-6 * common::extent(&triangles)), 0);
 });

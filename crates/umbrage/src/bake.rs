@@ -22,7 +22,6 @@ use std::time::Instant;
 use glam::DVec3;
 
 use crate::discontinuity::{self, DSegment, Discontinuities, Event, Reflecting};
-use crate::geometry::polygon;
 use crate::hidden;
 use crate::id::{DSegmentId, PatchId, Table};
 use crate::mesh::Mesh;
@@ -40,8 +39,8 @@ use crate::visibility::{AtPoints, Memory, Notes, Visibility};
 
 use crate::bake_warning::Figures;
 pub use crate::bake_warning::{BakeWarning, MAX_ENERGY_ERROR, MAX_ERROR_ESTIMATE, MAX_RESIDUAL};
-use crate::settings::triangles_needed;
 pub use crate::settings::{BakeSettings, GatherKind, ParseGatherError};
+use crate::settings::{total_area_m2, triangles_needed};
 
 /// What a bake did.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -343,12 +342,15 @@ pub(crate) fn show(
         _ => Table::new(),
     };
 
-    let light = Irradiance::new(prepared, visibility, mesh, &solution.reflected, mean)
-        .coarser(settings.coarser_to_be_shown())
-        .with_memory(before.gathered());
+    let irradiance;
     let indirect = match &texels {
         Some((tree, light)) => IndirectLight::Sampled { visibility, tree, light },
-        None => IndirectLight::Gathered { irradiance: &light, bounced: &bounced },
+        None => {
+            irradiance = Irradiance::new(prepared, visibility, mesh, &solution.reflected, mean)
+                .coarser(settings.coarser_to_be_shown())
+                .with_memory(before.gathered());
+            IndirectLight::Gathered { irradiance: &irradiance, bounced: &bounced }
+        }
     };
     let mut meshes = if refined {
         let with = |segments| Mesh::new(prepared, segments, settings.mesh(discontinuities.mean_irradiance));
@@ -575,8 +577,8 @@ pub(crate) fn link(
 
 /// Edges close before faces that show light.
 fn near_edges_of(scene: &Scene, prepared: &Prepared) -> Vec<DSegment> {
-    let area_m2: f64 = prepared.faces.keys().map(|face| polygon::area_m2(&prepared.polygon_m(face))).sum();
-    discontinuity::near_edges(prepared, shade::least_of_fit_m(area_m2), |face| prepared.shows_light(scene, face))
+    let least_m = shade::least_of_fit_m(total_area_m2(prepared));
+    discontinuity::near_edges(prepared, least_m, |face| prepared.shows_light(scene, face))
 }
 
 /// What every patch that is not split reflects, for the secondary sources.

@@ -215,7 +215,8 @@ pub(crate) fn triangles_needed(scene: &Scene, prepared: &Prepared) -> usize {
     baked.map(|face| face.sides.iter().map(|side| side.len()).sum::<usize>() - 2).sum()
 }
 
-fn total_area_m2(prepared: &Prepared) -> f64 {
+/// Area of all faces, in square metres.
+pub(crate) fn total_area_m2(prepared: &Prepared) -> f64 {
     prepared.faces.keys().map(|face| polygon::area_m2(&prepared.polygon_m(face))).sum()
 }
 

@@ -382,14 +382,7 @@ mod tests {
             centres in prop::collection::vec((-2.0..2.0, -2.0..2.0, -2.0..2.0), 1..60),
             from in (-3.0..3.0, -3.0..3.0, -3.0..3.0), to in (-3.0..3.0, -3.0..3.0, -3.0..3.0),
         ) {
-            let polygons: Vec<_> = centres
-                .iter()
-                .flat_map(|&c| {
-                    let low = fixture::f32_point(DVec3::from(c));
-                    fixture::outward_box(low, low + 0.5)
-                })
-                .collect();
-            let prepared = fixture::prepared(&polygons);
+            let prepared = fixture::prepared(&fixture::boxes(&centres));
             let (tree, index) = (RayTree::new(&prepared), Visibility::new(&prepared));
             let from = DVec3::from(from).as_vec3();
             let along = (DVec3::from(to).as_vec3() - from).normalize();

@@ -145,14 +145,7 @@ mod tests {
             centres in prop::collection::vec((-2.0..2.0, -2.0..2.0, -2.0..2.0), 1..40),
             from in (-3.0..3.0, -3.0..3.0, -3.0..3.0), to in (-3.0..3.0, -3.0..3.0, -3.0..3.0),
         ) {
-            let polygons: Vec<_> = centres
-                .iter()
-                .flat_map(|&c| {
-                    let low = fixture::f32_point(DVec3::from(c));
-                    fixture::outward_box(low, low + 0.5)
-                })
-                .collect();
-            let prepared = fixture::prepared(&polygons);
+            let prepared = fixture::prepared(&fixture::boxes(&centres));
             let index = Visibility::new(&prepared);
             let (from_m, to_m) = (DVec3::from(from), DVec3::from(to));
             let passing = PlaneId::from(prepared.faces.len());

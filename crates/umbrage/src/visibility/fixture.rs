@@ -17,6 +17,15 @@ pub(crate) fn f32_point(p: DVec3) -> DVec3 {
 }
 
 /// Faces of one material.
+/// The sides of boxes of half a metre, with their lower corners at these places.
+pub(crate) fn boxes(lower_m: &[(f64, f64, f64)]) -> Vec<Vec<DVec3>> {
+    let sides = |&lower_m: &(f64, f64, f64)| {
+        let low = f32_point(DVec3::from(lower_m));
+        outward_box(low, low + 0.5)
+    };
+    lower_m.iter().flat_map(sides).collect()
+}
+
 pub(crate) fn prepared(polygons: &[Vec<DVec3>]) -> Prepared {
     let all: Vec<_> = polygons.iter().map(|p| (p.clone(), 0)).collect();
     prepared_of_materials(&all)

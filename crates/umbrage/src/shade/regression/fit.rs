@@ -12,7 +12,7 @@ use super::element::{Element, ElementEquations, NODES, SMOOTHING, element_at, eq
 use super::evidence::{Classes, Evidence, Judged, Pool};
 use super::normal_equations::{Part, solve};
 use super::plan::{Need, Plan, WORTHWHILE, plan};
-use super::sample::{Sample, Sampler};
+use super::sample::{Gathering, Sample};
 use crate::id::{FaceId, PatchId};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
@@ -20,8 +20,7 @@ use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::Rgb;
 use crate::shade::element::Outlined;
 use crate::shade::field::{MeshPoint, Places};
-use crate::texels::{RayTree, Sources, TexelRadiosity};
-use crate::visibility::Visibility;
+use crate::texels::TexelRadiosity;
 
 /// Noise and misfit may be this share of the tolerance; what is left is for interpolation between vertices.
 const SHARE_OF_TOLERANCE: f64 = 0.85;
@@ -92,16 +91,6 @@ pub(crate) struct RegressionSettings {
     pub(crate) mean: f64,
 }
 
-/// What samples gather from.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Gathering<'a> {
-    pub(crate) prepared: &'a Prepared,
-    pub(crate) visibility: &'a Visibility,
-    pub(crate) tree: &'a RayTree,
-    pub(crate) sources: &'a Sources<'a>,
-    pub(crate) light: &'a TexelRadiosity,
-}
-
 /// A leaf and what is known of it.
 #[derive(Debug, Default)]
 struct Leaf {
@@ -134,9 +123,7 @@ pub(crate) fn regress(
     RegressionSettings { tolerance, mean }: RegressionSettings,
     progress: Progress<'_>,
 ) -> Result<FittedLight, Cancelled> {
-    let Gathering { prepared, visibility, tree, sources, light } = gathering;
-    let sampler = Sampler { prepared, visibility, tree, sources, light };
-    let lit_faces = lit_faces(prepared, light);
+    let lit_faces = lit_faces(gathering.prepared, gathering.light);
     let mut leaves: FxHashMap<PatchId, Leaf> = FxHashMap::default();
     let mut nodes = Nodes::default();
     let receiving = |mesh: &Mesh| -> Vec<PatchId> {
@@ -178,7 +165,7 @@ pub(crate) fn regress(
             if wanted as f64 <= WORTHWHILE * there as f64 {
                 return Ok(0);
             }
-            sampler.draw(&mesh, *id, leaf.drawn, wanted - there, &mut leaf.samples);
+            gathering.draw(&mesh, *id, leaf.drawn, wanted - there, &mut leaf.samples);
             leaf.lit |= leaf.samples[there..].iter().any(|sample| sample.light != Vec3::ZERO);
             leaf.drawn += wanted - there;
             leaf.changed = true;

@@ -25,4 +25,5 @@ mod normal_equations;
 mod plan;
 mod sample;
 
-pub(crate) use fit::{FittedLight, Gathering, RegressionSettings, least_of_fit_m, regress};
+pub(crate) use fit::{FittedLight, RegressionSettings, least_of_fit_m, regress};
+pub(crate) use sample::Gathering;

@@ -9,7 +9,7 @@ use crate::texels::{Draws, Ray, RayTree, Sequence, Sources, Start, TexelRadiosit
 use crate::visibility::Visibility;
 
 /// What a ray meets nearer than so many texels is looked at closely where direct light varies: its texel is too coarse.
-const CLOSE_OF_TEXEL: f32 = 2.0;
+const CLOSE_OF_TEXEL: f64 = 2.0;
 /// Uses of random numbers.
 const OF_SAMPLES: u64 = 5;
 const OF_CLOSE_LIGHT: u64 = 6;
@@ -40,17 +40,17 @@ impl Sample {
     }
 }
 
-/// Draws samples.
-#[derive(Debug)]
-pub(super) struct Sampler<'a> {
-    pub(super) prepared: &'a Prepared,
-    pub(super) visibility: &'a Visibility,
-    pub(super) tree: &'a RayTree,
-    pub(super) sources: &'a Sources<'a>,
-    pub(super) light: &'a TexelRadiosity,
+/// What samples gather from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gathering<'a> {
+    pub(crate) prepared: &'a Prepared,
+    pub(crate) visibility: &'a Visibility,
+    pub(crate) tree: &'a RayTree,
+    pub(crate) sources: &'a Sources<'a>,
+    pub(crate) light: &'a TexelRadiosity,
 }
 
-impl Sampler<'_> {
+impl Gathering<'_> {
     /// Adds `count` samples of a leaf, of which `drawn` were drawn before.
     pub(super) fn draw(&self, mesh: &Mesh, leaf: PatchId, drawn: usize, count: usize, samples: &mut Vec<Sample>) {
         let face = mesh.patch(leaf).face;
@@ -88,7 +88,7 @@ impl Sampler<'_> {
         let Some(face) = hit.front else { return (Vec3::ZERO, nearness) };
         let point = ray.from + hit.distance_m * ray.along;
         let texel = self.light.grid.texel_at(face, point);
-        let is_close = f64::from(hit.distance_m) < f64::from(CLOSE_OF_TEXEL) * self.light.grid.side_m();
+        let is_close = f64::from(hit.distance_m) < CLOSE_OF_TEXEL * self.light.grid.side_m();
         if is_close && self.light.rough[texel] {
             return (self.close_light(face, texel, point, draws), nearness);
         }
