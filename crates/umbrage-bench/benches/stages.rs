@@ -13,7 +13,7 @@ use umbrage::mesh::{Mesh, MeshSettings};
 use umbrage::prepare::{self, Prepared};
 use umbrage::progress::Progress;
 use umbrage::scene::{Scene, cornell::cornell_box};
-use umbrage::shade::{self, IndirectLight, Irradiance, ShadeMeshes, ShadeSettings};
+use umbrage::shade::{self, IndirectLight, Irradiance, LocalLight, ShadeLight, ShadeMeshes, ShadeSettings};
 use umbrage::solve::{self, Solution, SolveSettings, Surfaces};
 use umbrage::transport::{self, DirectLight, FormFactorOracle, Links};
 use umbrage::visibility::{AtPoints, Visibility};
@@ -110,23 +110,19 @@ fn shade(bencher: Bencher<'_, '_>, name: &str) {
     let Stages { scene, prepared, visibility, mesh, .. } = &stages;
     let direct = DirectLight::new(scene, prepared, visibility);
     let solution = stages.solve(&direct);
-    let light = Irradiance::new(
-        prepared,
-        visibility,
-        mesh,
-        &solution.reflected,
-        solution.mean_irradiance(mesh, |face| prepared.shows_light(scene, face)),
-    );
+    let mean = solution.mean_irradiance(mesh, |face| prepared.shows_light(scene, face));
+    let gathered = Irradiance::new(prepared, visibility, mesh, &solution.reflected, mean);
     // No bounces went before: all is gathered.
     let bounced = AtPoints::new(Vec::new());
-    let indirect = IndirectLight::Gathered { irradiance: &light, bounced: &bounced };
+    let indirect = IndirectLight::Gathered { irradiance: &gathered, bounced: &bounced };
+    let mean = mean.element_sum() / 3.0;
+    let local = LocalLight::new(scene, (prepared, visibility), mesh, &solution.irradiance, mean);
+    let light = ShadeLight { direct: &direct, indirect, local: &local };
     let settings = ShadeSettings { tolerance: TOLERANCE, ..ShadeSettings::default() };
     bencher
         .with_inputs(|| ShadeMeshes {
             shown: stages.uncut(),
             gathering: Mesh::new(prepared, &Table::new(), MeshSettings::default()),
         })
-        .bench_local_refs(|meshes| {
-            shade::shade(scene, prepared, meshes, &direct, indirect, settings, Progress::silent()).unwrap()
-        });
+        .bench_local_refs(|meshes| shade::shade(scene, prepared, meshes, light, settings, Progress::silent()).unwrap());
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! umbrage kept bake\n      what it is: a file without it is somebody else's, and is never replaced
-//! 0.1.0/2\n                who wrote it: version of the program, and of this layout
+//! 0.1.0/3\n                who wrote it: version of the program, and of this layout
 //! ...                      the bake, in the layout of postcard (https://postcard.jamesmunns.com/wire-format)
 //! 4 bytes                  CRC-32 of all before, least byte first
 //! ```
@@ -19,7 +19,7 @@ use umbrage::rebake::Kept;
 use crate::{FormatError, write_atomically};
 
 const MAGIC: &[u8] = b"umbrage kept bake\n";
-const VERSION: &[u8] = concat!(env!("CARGO_PKG_VERSION"), "/2\n").as_bytes();
+const VERSION: &[u8] = concat!(env!("CARGO_PKG_VERSION"), "/3\n").as_bytes();
 /// Bytes of the checksum.
 const CHECKSUM: usize = 4;
 

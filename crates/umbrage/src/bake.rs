@@ -28,7 +28,9 @@ use crate::mesh::Mesh;
 use crate::prepare::{PrepareError, PrepareReport, PrepareSettings, Prepared};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Rgb, Scene, SceneError};
-use crate::shade::{self, BakedMesh, Bouncing, IndirectLight, Irradiance, LampAccount, Room, ShadeMeshes, Terms};
+use crate::shade::{
+    self, BakedMesh, Bouncing, IndirectLight, Irradiance, LampAccount, LocalLight, Room, ShadeLight, ShadeMeshes, Terms,
+};
 use crate::solve::{self, EnergyAccount, Solution, Surfaces};
 use crate::texels::{RayTree, TexelRadiosity};
 use crate::transport::{
@@ -352,9 +354,14 @@ pub(crate) fn show(
             IndirectLight::Gathered { irradiance: &irradiance, bounced: &bounced }
         }
     };
+    let mean = mean.element_sum() / 3.0;
+    let local = LocalLight::new(scene, (prepared, visibility), mesh, &solution.irradiance, mean);
+    let light = ShadeLight { direct: &direct, indirect, local: &local };
     let mut meshes = if refined {
         let with = |segments| Mesh::new(prepared, segments, settings.mesh(discontinuities.mean_irradiance));
-        let all = discontinuities.segments.iter().chain(&secondary).copied().collect();
+        let least = |face, point_m| shade::negligible(settings.weak_share(), mean, local.at(face, point_m));
+        let faint = discontinuities.faint_that_count(prepared, visibility, least);
+        let all = discontinuities.segments.iter().chain(&secondary).chain(faint).copied().collect();
         // What is reflected jumps at contacts, too; where it is fitted, edges close before faces must be cut in.
         let contacts = discontinuities.segments.iter().filter(|segment| matches!(segment.event, Event::Contact { .. }));
         let near = if texels.is_some() { near_edges_of(scene, prepared) } else { Vec::new() };
@@ -369,7 +376,7 @@ pub(crate) fn show(
         let shown = shade::within(scene, prepared, mesh.clone(), all, settings.shade_within(0).max_triangles);
         ShadeMeshes { shown, gathering: mesh.clone() }
     };
-    let shaded = shade::shade(scene, prepared, &mut meshes, &direct, indirect, settings.shade_within(0), progress)?;
+    let shaded = shade::shade(scene, prepared, &mut meshes, light, settings.shade_within(0), progress)?;
     check(|| meshes.shown.validate().map_err(|error| error.to_string()));
     check(|| shaded.mesh.validate().map_err(|error| error.to_string()));
     clock.end_of(Stage::Shade);

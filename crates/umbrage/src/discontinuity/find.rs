@@ -6,10 +6,12 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::features::Surroundings;
 use super::light_met::mean_irradiance;
+use super::strength::effect;
 use super::{DSegment, Emitter, Event, Features, closed_gap, contact};
 use crate::id::{DSegmentId, EmitterId, FaceId, LampId, PlaneId, Table};
 use crate::prepare::Prepared;
@@ -20,6 +22,10 @@ use crate::visibility::Visibility;
 /// Pairs that are traced between two reports of progress.
 const PAIRS_A_PART: usize = 4096;
 
+/// d-segments that change irradiance by less than asked, but no less than this share of it, are kept apart: a tenth of the mean light is
+/// the most that is dim, and a thousandth the least that is looked at. A scene of a thousand polygons has half as many of them again.
+const OF_DIM_PLACES: f64 = 1e-2;
+
 /// Emitters and d-segments of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Discontinuities {
@@ -27,6 +33,8 @@ pub struct Discontinuities {
     pub emitters: Table<EmitterId, Emitter>,
     /// The d-segments, by face and event.
     pub segments: Table<DSegmentId, DSegment>,
+    /// Those that are too weak to be among them, and not [`OF_DIM_PLACES`] times as weak: they count where light is dim.
+    pub faint: Vec<DSegment>,
     /// How many wedges were traced.
     pub wedges: usize,
     /// About the mean irradiance of all faces, in W/m2; light of distant lamps counts for nothing.
@@ -39,6 +47,21 @@ impl Discontinuities {
         let mut count = [0; 3];
         self.segments.iter().for_each(|segment| count[segment.degree.number()] += 1);
         count
+    }
+}
+
+impl Discontinuities {
+    /// Returns the faint d-segments that change irradiance by at least `least` at their face and middle, in W/m2.
+    pub fn faint_that_count<'a>(
+        &'a self,
+        prepared: &'a Prepared,
+        visibility: &'a Visibility,
+        least: impl Fn(FaceId, DVec3) -> f64 + 'a,
+    ) -> impl Iterator<Item = &'a DSegment> {
+        self.faint.iter().filter(move |segment| {
+            let middle_m = segment.ends_m[0].midpoint(segment.ends_m[1]);
+            effect(prepared, visibility, segment) >= least(segment.face, middle_m)
+        })
     }
 }
 
@@ -57,13 +80,16 @@ pub fn find(
     let features = Features::new(scene, prepared);
     let mean_irradiance = mean_irradiance(prepared, visibility, &features);
     let least = least_share * mean_irradiance;
-    let (mut segments, wedges) = traced(prepared, visibility, &features, Kinds::All, least, progress)?;
+    let (traced, wedges) = traced(prepared, visibility, &features, Kinds::All, OF_DIM_PLACES * least, progress)?;
     let around = Surroundings { prepared, visibility, features: &features, wedges: &AtomicUsize::new(0) };
+    let (mut segments, mut faint): (Vec<_>, Vec<_>) =
+        traced.into_iter().partition(|segment| around.counts(segment, least));
     let mut contacts = contact::contacts(prepared, |face: FaceId| features.receives[face]);
     contacts.extend(closed_gap::contacts(prepared, visibility, |face: FaceId| features.receives[face]));
     segments.extend(contacts.into_iter().map(|segment| with_strength(&around, segment)));
     segments.par_sort_by(DSegment::by_face_and_event);
-    Ok(Discontinuities { emitters: features.emitters, segments: segments.into(), wedges, mean_irradiance })
+    faint.par_sort_by(DSegment::by_face_and_event);
+    Ok(Discontinuities { emitters: features.emitters, segments: segments.into(), faint, wedges, mean_irradiance })
 }
 
 /// Of discontinuities that were found with a lesser share, those that [`find`] finds with `least_share`.
@@ -77,10 +103,13 @@ pub fn at_least(
     let features = Features::new(scene, prepared);
     let least = least_share * found.mean_irradiance;
     let around = Surroundings { prepared, visibility, features: &features, wedges: &AtomicUsize::new(0) };
-    let counts = |segment: &&DSegment| matches!(segment.event, Event::Contact { .. }) || around.counts(segment, least);
-    // In order, as they were.
-    let segments: Vec<DSegment> = found.segments.iter().filter(counts).copied().collect();
-    Discontinuities { segments: segments.into(), ..found.clone() }
+    let counts = |segment: &DSegment| matches!(segment.event, Event::Contact { .. }) || around.counts(segment, least);
+    let (segments, mut faint): (Vec<DSegment>, Vec<DSegment>) = found.segments.iter().copied().partition(counts);
+    let is_faint = |segment: &DSegment| around.counts(segment, OF_DIM_PLACES * least);
+    faint.extend(&found.faint);
+    faint.retain(is_faint);
+    faint.par_sort_by(DSegment::by_face_and_event);
+    Discontinuities { segments: segments.into(), faint, ..found.clone() }
 }
 
 /// Which events are traced.

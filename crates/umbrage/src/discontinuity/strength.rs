@@ -112,26 +112,10 @@ impl Surroundings<'_> {
         jump.abs().element_sum() / 3.0
     }
 
-    /// By how much irradiance errs, in W/m2, if it is taken to be smooth over the whole face of a d-segment: what the
-    /// strength does over the width of the face.
-    pub(super) fn effect(&self, segment: &DSegment) -> f64 {
-        let plane = self.prepared.oriented_plane(segment.face);
-        let across = plane.normal.cross((segment.ends_m[1] - segment.ends_m[0]).normalize_or_zero());
-        let offsets = self.visibility.boundary_m(segment.face).iter().map(|corner| across.dot(*corner));
-        let (least, most) =
-            offsets.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), x| (least.min(x), most.max(x)));
-        let width_m = most - least;
-        match segment.degree {
-            Degree::D0 => f64::INFINITY,
-            Degree::D1 => MISSED_KINK * segment.strength * width_m,
-            Degree::D2 => MISSED_CURVATURE * segment.strength * width_m * width_m,
-        }
-    }
-
     /// Whether a d-segment changes irradiance by at least `least`, in W/m2, over the width of its face; of a part of a
     /// face it must be more, and where it is of degree 2 the penumbra must be narrow.
     pub(super) fn counts(&self, segment: &DSegment, least: f64) -> bool {
-        let effect = self.effect(segment);
+        let effect = effect(self.prepared, self.visibility, segment);
         let emitter = segment.event.emitter().map(|id| &self.features.emitters[id]);
         let Some(part) = emitter.filter(|emitter| emitter.part_m.is_some()) else { return effect >= least };
         let receiver = self.receiver(segment, segment.ends_m[0].midpoint(segment.ends_m[1]));
@@ -287,6 +271,22 @@ impl Surroundings<'_> {
         let looked_through = |face: FaceId| self.visibility.plane(face) == own || but(face);
         let pieces = wedge.pieces(self.visibility, up_to, looked_through);
         Some(View { hiding: trace::part_at(&pieces, up_to, true), wedge })
+    }
+}
+
+/// Returns by how much irradiance errs, in W/m2, if it is taken to be smooth over the whole face of a d-segment: what the strength does
+/// over the width of the face.
+pub(super) fn effect(prepared: &Prepared, visibility: &Visibility, segment: &DSegment) -> f64 {
+    let plane = prepared.oriented_plane(segment.face);
+    let across = plane.normal.cross((segment.ends_m[1] - segment.ends_m[0]).normalize_or_zero());
+    let offsets = visibility.boundary_m(segment.face).iter().map(|corner| across.dot(*corner));
+    let (least, most) =
+        offsets.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), x| (least.min(x), most.max(x)));
+    let width_m = most - least;
+    match segment.degree {
+        Degree::D0 => f64::INFINITY,
+        Degree::D1 => MISSED_KINK * segment.strength * width_m,
+        Degree::D2 => MISSED_CURVATURE * segment.strength * width_m * width_m,
     }
 }
 

@@ -57,6 +57,8 @@ pub struct Kept {
     lights: Lights,
     /// Those that lamps and emitters cast: with `splits`, what makes the patches that carry transport again.
     segments: Vec<DSegment>,
+    /// Those that count in dim places alone.
+    faint: Vec<DSegment>,
     /// What they were measured against, in W/m2.
     mean_irradiance: f64,
     /// Those of what reflects much.
@@ -124,7 +126,7 @@ impl Kept {
             |known: &AtPoints<Terms>| known.is_ordered() && known.iter().all(|terms| terms.fits(counts, extent_m));
         self.lights.fits(faces)
             && self.mean_irradiance.is_finite()
-            && self.segments.iter().chain(&self.secondary).all(of_face)
+            && self.segments.iter().chain(&self.faint).chain(&self.secondary).all(of_face)
             && self.sources.is_ordered()
             && self.sources.iter().all(|seen| seen.fits(faces, self.lights.lamps.len()))
             && terms(&self.bounced)
@@ -168,6 +170,7 @@ pub fn bake_to_reuse(
         lights: Lights::of(scene, &prepared),
         mean_irradiance: discontinuities.mean_irradiance,
         segments: discontinuities.segments.into(),
+        faint: discontinuities.faint,
         secondary: secondary.into(),
         splits: mesh.splits_asked().to_vec(),
         links: links.as_slice().to_vec(),
@@ -209,8 +212,8 @@ pub fn rebake(
     let discontinuities = if change == Change::Lamps && settings.discontinuities {
         discontinuity::find(scene, &prepared, &visibility, settings.weak_share(), progress).map_err(BakeError::from)?
     } else {
-        let segments = kept.segments.clone().into();
-        Discontinuities { segments, mean_irradiance: kept.mean_irradiance, ..Discontinuities::default() }
+        let (segments, faint) = (kept.segments.clone().into(), kept.faint.clone());
+        Discontinuities { segments, faint, mean_irradiance: kept.mean_irradiance, ..Discontinuities::default() }
     };
     clock.end_of(Stage::Discontinuity);
 

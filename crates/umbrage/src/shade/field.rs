@@ -49,6 +49,11 @@ pub(super) trait Field: Sync {
         &[]
     }
 
+    /// Returns the irradiance around a patch, in W/m2, which its errors are compared with; where nothing is known of it, plenty.
+    fn around(&self, _: &Mesh, _: PatchId) -> f64 {
+        f64::INFINITY
+    }
+
     /// Irradiance at a point of `patch`, in W/m2.
     fn at(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> Rgb;
 }

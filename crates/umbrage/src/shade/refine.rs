@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use super::element::{Closer, Element, Outlined};
 use super::errors::Errors;
 use super::field::{Field, Places, Values};
+use super::local_light::negligible;
 use crate::id::PatchId;
 use crate::mesh::{Attempt, Mesh};
 use crate::progress::{Cancelled, Progress, Stage};
@@ -26,8 +27,8 @@ const SHARE_A_ROUND: f64 = 0.6;
 const LEAST_SHARE_OF_LEAVES: f64 = 0.02;
 /// Elements larger than this share of all area are looked at in more points before interpolation over them is trusted.
 const LARGE_OF_ALL: f64 = 2e-3;
-/// No element may err by more than so many tolerances of its own light, besides one tolerance of the mean light: what is dim is
-/// little of the mean error, and is looked at all the same.
+/// No element may err by more than so many tolerances of its own light, besides one tolerance of the mean light, or less in dim places
+/// ([`negligible`]): what is dim is little of the mean error, and is looked at all the same.
 pub(super) const OWN_TOLERANCES: f64 = 10.0;
 /// An error is the harder to see, the smaller its place is. Below this share of all area (a square of 5 pixels where a picture of a
 /// megapixel shows all surfaces) an element may err more, as the square root of its size falls: four times as much at 1e-7. With 0, a
@@ -156,8 +157,12 @@ pub(super) fn refine(
             !is_finest[leaf.index()]
                 && mesh.patch(leaf).area_m2 > least_m2.max(LEAST_OF_ALL * area_m2)
                 && refined.elements[leaf.index()].iter().any(|element| {
-                    let (of_own, least) = (OWN_TOLERANCES * settings.tolerance, settings.tolerance * settings.mean);
-                    element.errs_locally(is_seen(element, area_m2) * errors.of(element), &refined.values, of_own, least)
+                    let squared = is_seen(element, area_m2) * errors.of(element);
+                    let of_own = OWN_TOLERANCES * settings.tolerance;
+                    let errs = |least: f64| element.errs_locally(squared, &refined.values, of_own, least);
+                    // The light around is looked up where it decides.
+                    let least = |around: f64| negligible(settings.tolerance, settings.mean, around);
+                    errs(least(0.0)) && errs(least(field.around(mesh, leaf)))
                 })
         };
         let leaks = |leaf: PatchId| {

@@ -15,6 +15,7 @@ use super::field::{Field, Places, Values};
 use super::interpolated::Interpolated;
 use super::irradiance::{self, Irradiance, Terms};
 use super::lamp_account::{LampAccount, Shown, lamp_accounts};
+use super::local_light::LocalLight;
 use super::plain::plain_faces;
 use super::refine::{Interpolation, RefineSettings, Refined, refine};
 use super::regression::{FittedLight, Gathering, RegressionSettings, regress};
@@ -109,6 +110,7 @@ struct Total<'a> {
     direct: Direct<'a>,
     indirect: Indirect<'a>,
     bright: &'a [BrightPlace],
+    local: &'a LocalLight<'a>,
 }
 
 impl Field for Total<'_> {
@@ -123,6 +125,11 @@ impl Field for Total<'_> {
 
     fn bright_places(&self) -> &[BrightPlace] {
         self.bright
+    }
+
+    fn around(&self, mesh: &Mesh, patch: PatchId) -> f64 {
+        let patch = mesh.patch(patch);
+        self.local.at(patch.face, patch.centroid_m)
     }
 
     fn at(&self, mesh: &Mesh, point: &ReceiverPoint, patch: PatchId) -> Rgb {
@@ -170,6 +177,17 @@ impl IndirectLight<'_> {
     }
 }
 
+/// What is known of the light that is shown.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadeLight<'a> {
+    /// Exact direct light.
+    pub direct: &'a DirectLight<'a>,
+    /// Where reflected light is known from.
+    pub indirect: IndirectLight<'a>,
+    /// What is around.
+    pub local: &'a LocalLight<'a>,
+}
+
 /// Refines the meshes, cuts the one that is shown into triangles and evaluates the light of their corners.
 ///
 /// # Errors
@@ -178,8 +196,7 @@ pub fn shade(
     scene: &Scene,
     prepared: &Prepared,
     ShadeMeshes { shown: mesh, gathering }: &mut ShadeMeshes,
-    direct: &DirectLight<'_>,
-    indirect: IndirectLight<'_>,
+    ShadeLight { direct, indirect, local }: ShadeLight<'_>,
     settings: ShadeSettings,
     progress: Progress<'_>,
 ) -> Result<Shaded, Cancelled> {
@@ -222,7 +239,7 @@ pub fn shade(
         Indirect::Interpolated(_) => (None, 0.0),
     };
     let sent = direct.light_sent();
-    let mut total = Total { direct: Direct::new(direct), indirect: light, bright: &sent.places };
+    let mut total = Total { direct: Direct::new(direct), indirect: light, bright: &sent.places, local };
     let whole = RefineSettings {
         interpolation: Interpolation::Linear,
         tolerance: LINEAR_SHARE * settings.tolerance,
