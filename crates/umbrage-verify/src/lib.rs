@@ -20,6 +20,7 @@ mod boxes;
 pub mod conformity;
 mod emitters;
 pub mod judge;
+mod lamps;
 mod path;
 mod points;
 pub mod random;

@@ -14,9 +14,10 @@ use std::f64::consts::PI;
 
 use fastrand::Rng;
 use glam::DVec3;
-use umbrage::scene::{Lamp, Rgb, Scene};
+use umbrage::scene::{Rgb, Scene};
 
 use crate::emitters::Emitters;
+use crate::lamps::{self, PlacedLamp};
 use crate::stratified;
 use crate::tracer::Tracer;
 
@@ -65,6 +66,7 @@ pub(crate) struct Paths<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) tracer: &'a Tracer,
     pub(crate) emitters: &'a Emitters,
+    pub(crate) lamps: &'a [PlacedLamp],
 }
 
 /// What a path carries: random numbers, and a count.
@@ -82,9 +84,9 @@ impl Paths<'_> {
             let n = side * side;
             let directions = stratified::square(side, &mut walk.rng);
             let (shares, spots) = (stratified::interval(n, &mut walk.rng), stratified::square(side, &mut walk.rng));
-            let mut sum = self.by_lamps(place, &mut walk) * n as f64;
+            let mut sum = self.by_lamps(place, true, &mut walk) * n as f64;
             for ((direction, share), spot) in directions.into_iter().zip(shares).zip(spots) {
-                sum += self.by_emitter(place, share, spot, &mut walk);
+                sum += self.by_emitter(place, share, spot, &mut walk) + self.by_spots(place, &mut walk);
                 let (light, met) = self.along(place, direction, &mut walk);
                 sum += light;
                 sees_a_side |= met;
@@ -117,10 +119,14 @@ impl Paths<'_> {
         material.radiance * cosine / (density + cosine / PI)
     }
 
-    /// Irradiance by all lamps that a place sees.
-    fn by_lamps(&self, place: &Place, walk: &mut Walk) -> Rgb {
-        let from = |lamp: &Lamp| {
+    /// Irradiance by all lamps that a place sees; not by those that it is near to, unless it is the `first` of a path: their light is found
+    /// from them.
+    fn by_lamps(&self, place: &Place, first: bool, walk: &mut Walk) -> Rgb {
+        let from = |PlacedLamp { lamp, near_m }: &PlacedLamp| {
             let Some(arriving) = lamp.arriving(place.position_m) else { return Rgb::ZERO };
+            if !first && arriving.distance_m < *near_m {
+                return Rgb::ZERO;
+            }
             let cosine = place.normal.dot(arriving.towards);
             if cosine <= 0.0 {
                 return Rgb::ZERO;
@@ -131,7 +137,42 @@ impl Paths<'_> {
             let blocked = self.tracer.blocked(place, place.position_m + distance_m * arriving.towards);
             if blocked { Rgb::ZERO } else { cosine * arriving.irradiance }
         };
-        self.scene.lamps.iter().map(from).sum()
+        self.lamps.iter().map(from).sum()
+    }
+
+    /// Irradiance by what is lit next to lamps: by a place that one of their rays meets, for each.
+    fn by_spots(&self, place: &Place, walk: &mut Walk) -> Rgb {
+        let near = self.lamps.iter().filter(|lamp| lamp.near_m > 0.0);
+        near.map(|lamp| self.by_spot(place, lamp, walk).unwrap_or(Rgb::ZERO)).sum()
+    }
+
+    fn by_spot(&self, place: &Place, PlacedLamp { lamp, near_m }: &PlacedLamp, walk: &mut Walk) -> Option<Rgb> {
+        let (towards, solid_angle_sr) = lamps::direction(lamp, &mut walk.rng)?;
+        let from_m = lamp.position_m()?;
+        let start = Place { position_m: from_m, front: towards, normal: towards, near: None };
+        walk.rays += 1;
+        let hit = self.tracer.nearest(&start, towards).filter(|hit| hit.distance_m < *near_m)?;
+        let triangle = &self.tracer.triangles[hit.triangle];
+        let material = &self.scene.materials[triangle.material];
+        if !(hit.front || material.double_sided) {
+            return None;
+        }
+        let lit = self.tracer.place(hit.triangle, from_m + hit.distance_m * towards, hit.front);
+        let arriving = lamp.arriving(lit.position_m)?;
+        // The flux of the ray, by the true area, and the cosine by which a smooth surface takes it.
+        let flux = arriving.irradiance * (hit.distance_m * hit.distance_m * solid_angle_sr);
+        let taken = lit.normal.dot(arriving.towards).max(0.0) / lit.front.dot(arriving.towards);
+        let between = lit.position_m - place.position_m;
+        let distance_m = between.length();
+        let cosines = [place.normal.dot(between), -lit.front.dot(between)].map(|cosine| cosine / distance_m);
+        // Not even a number in the spot itself.
+        if !(cosines[0] > 0.0 && cosines[1] > 0.0) {
+            return None;
+        }
+        walk.rays += 1;
+        let sent = taken * flux * material.reflectance / PI;
+        let seen = !self.tracer.blocked(place, lit.position_m);
+        seen.then(|| sent * cosines[0] * cosines[1] / (distance_m * distance_m))
     }
 
     /// Irradiance by a ray that leaves by the cosine, and whether it met the front of a side.
@@ -167,7 +208,8 @@ impl Paths<'_> {
             }
             place = self.tracer.place(hit.triangle, place.position_m + hit.distance_m * outward, hit.front);
             let (share, spot) = (walk.rng.f64(), [walk.rng.f64(), walk.rng.f64()]);
-            sum += carried * (self.by_emitter(&place, share, spot, walk) + self.by_lamps(&place, walk));
+            let lamps = self.by_lamps(&place, false, walk) + self.by_spots(&place, walk);
+            sum += carried * (self.by_emitter(&place, share, spot, walk) + lamps);
             square = [walk.rng.f64(), walk.rng.f64()];
         }
         (sum, sees_a_side)

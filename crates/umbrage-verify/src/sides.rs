@@ -48,6 +48,22 @@ impl Triangle {
         self.corner_m + root * (1.0 - t) * self.edges_m[0] + root * t * self.edges_m[1]
     }
 
+    /// Distance of a point from the triangle, in metres.
+    pub(crate) fn distance_m(&self, point_m: DVec3) -> f64 {
+        let corners_m = self.corners_m();
+        let sides = [0, 1, 2].map(|i| [corners_m[i], corners_m[(i + 1) % 3]]);
+        let is_over = sides.iter().all(|[from, to]| (to - from).cross(point_m - from).dot(self.normal) >= 0.0);
+        if is_over {
+            return self.normal.dot(point_m - self.corner_m).abs();
+        }
+        let from_side = |[from, to]: [DVec3; 2]| {
+            let along = to - from;
+            let share = ((point_m - from).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+            point_m.distance(from + share * along)
+        };
+        sides.map(from_side).into_iter().fold(f64::INFINITY, f64::min)
+    }
+
     pub(crate) fn corners_m(&self) -> [DVec3; 3] {
         [self.corner_m, self.corner_m + self.edges_m[0], self.corner_m + self.edges_m[1]]
     }

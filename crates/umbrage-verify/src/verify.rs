@@ -14,7 +14,7 @@ use crate::path::{BATCHES, Gathered, Paths};
 use crate::report::{CheckedPoint, Report};
 use crate::smooth::SmoothSurfaces;
 use crate::tracer::Tracer;
-use crate::{points, sides};
+use crate::{lamps, points, sides};
 
 /// A point with less than this share of the mean light, next to where the bake ends, is enclosed by what stands on it.
 const ENCLOSED_OF_MEAN: f64 = 1e-3;
@@ -87,7 +87,8 @@ pub fn verify(
     let tracer = Tracer::new(scene, &smooth, extent_m);
     let baked = Baked::new(baked, tracer.extent_m);
     let emitters = Emitters::new(scene, &tracer);
-    let paths = Paths { scene, tracer: &tracer, emitters: &emitters };
+    let lamps = lamps::lamps(scene, &tracer);
+    let paths = Paths { scene, tracer: &tracer, emitters: &emitters, lamps: &lamps };
     let mut rng = Rng::with_seed(settings.seed);
     let places = points::points(scene, &tracer, settings.points, &mut rng);
     let seeds: Vec<u64> = places.iter().map(|_| rng.u64(..)).collect();

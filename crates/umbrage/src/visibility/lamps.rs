@@ -2,8 +2,8 @@
 //!
 //! A lamp that lies in a surface within rounding would be before it or behind it by chance: on the edge of a box, in the corner of a
 //! room. It is taken to be in front, since there its maker put it: each face that it lies on pushes it forward, to twice the
-//! distance below which a point lies in a plane. Of a sheet with two sides, the side of the first face counts; and a lamp on the border
-//! of a sheet is moved as far inward, since rounding would decide what sees it past that border.
+//! distance below which a point lies in a plane. Of a sheet with two sides, the side that it is on counts, and within rounding the first
+//! face's; and a lamp on the border of a sheet is moved as far inward, since rounding would decide what sees it past that border.
 //!
 //! Holds after: no lamp lies in a face within rounding, unless faces that look at each other are nearer than that.
 
@@ -18,6 +18,8 @@ use crate::scene::{Lamp, LampKind, Scene};
 const BEFORE_OF_COPLANAR: f64 = 2.0;
 /// Normals with a cosine below this look opposite ways: the two sides of a sheet.
 const OPPOSITE: f64 = -0.999;
+/// A lamp farther behind a face than this share of that distance may be on the other side of a sheet: more than corners are rounded by.
+const ON_A_SIDE_OF_COPLANAR: f64 = 0.1;
 
 /// Moves the lamps of a scene into the frame of its prepared faces, and those that lie on surfaces before them.
 pub fn lamps(scene: &Scene, prepared: &Prepared) -> Table<LampId, Lamp> {
@@ -40,7 +42,11 @@ fn before_surfaces(prepared: &Prepared, point_m: DVec3) -> DVec3 {
         plane.signed_distance_m(point_m).abs() < near_m
             && polygon::distance_m(point_m, &prepared.polygon_m(face), &plane) < near_m
     };
-    let lies_on: Vec<FaceId> = prepared.faces.keys().filter(lies_on).collect();
+    let mut lies_on: Vec<FaceId> = prepared.faces.keys().filter(lies_on).collect();
+    // Those that it is clearly before come first.
+    let is_behind =
+        |&face: &FaceId| prepared.oriented_plane(face).signed_distance_m(point_m) < -ON_A_SIDE_OF_COPLANAR * near_m;
+    lies_on.sort_by_key(is_behind);
     let Some(&first) = lies_on.first() else { return point_m };
     let (mut moved_m, mut pushed): (DVec3, Vec<DVec3>) = (point_m, Vec::new());
     for &face in &lies_on {
@@ -103,6 +109,11 @@ mod tests {
         let sheet = [fixture::square(DVec3::ZERO, 1.0, true), fixture::square(DVec3::ZERO, 1.0, false)];
         let at_m = moved_m(&sheet, DVec3::new(0.1, 0.2, 0.0));
         assert!(at_m.z.abs() > 1e-6, "{at_m}");
+        // On the side that it is on, though it be near.
+        for z in [-4e-7, 4e-7] {
+            let at_m = moved_m(&sheet, DVec3::new(0.1, 0.2, z));
+            assert!(at_m.z * z > 0.0 && at_m.z.abs() > 1e-6, "{at_m} for {z}");
+        }
         // On its border and in its corner, too, where it would be seen past them by chance.
         for (x, y) in [(1.0, 0.2), (1.0 + 3e-13, 1.0 - 1e-13)] {
             let at_m = moved_m(&sheet, DVec3::new(x, y, 0.0));
