@@ -127,13 +127,37 @@ pub fn judge(judged: &Judged<'_>) -> Result<Judgement, VerifyError> {
             Err(error) => Err(error),
         }
     };
+    let shown = shown_mean(judged.triangles);
+    let faults_of = |report: &Report, points, sure| {
+        // What a lamp throws on the spot that it touches is much of the mean light, and no point lies there.
+        let unit = (shown / report.mean_irradiance).max(1.0);
+        light_faults(&in_units(report, unit), judged.tolerance, points, sure)
+    };
     let mut report = if judged.light { check(FIRST, 1)? } else { None };
-    if report.as_ref().is_some_and(|report| !light_faults(report, judged.tolerance, FIRST[0], 0.0).is_empty()) {
+    if report.as_ref().is_some_and(|report| !faults_of(report, FIRST[0], 0.0).is_empty()) {
         report = check(SECOND, 2)?;
-        faults.extend(report.iter().flat_map(|report| light_faults(report, judged.tolerance, SECOND[0], SURE)));
+        faults.extend(report.iter().flat_map(|report| faults_of(report, SECOND[0], SURE)));
     }
     faults.sort_by_key(|fault| fault.kind);
     Ok(Judgement { faults, error: report.map(|report| report.error).unwrap_or_default() })
+}
+
+/// Mean irradiance that triangles show, over the colours, in W/m2.
+fn shown_mean(triangles: &[BakedTriangle]) -> f64 {
+    let (mut flux_w, mut area_m2) = (0.0, 0.0);
+    for BakedTriangle { corners_m: [a, b, c], irradiance } in triangles {
+        let doubled_m2 = (b - a).cross(c - a).length();
+        flux_w += doubled_m2 * irradiance.iter().map(|light| light.element_sum()).sum::<f64>() / 9.0;
+        area_m2 += doubled_m2;
+    }
+    if area_m2 > 0.0 { flux_w / area_m2 } else { 0.0 }
+}
+
+/// A report whose mean light is so many times as much, and errors as many times less a share of it.
+fn in_units(report: &Report, unit: f64) -> Report {
+    let Estimate { value, standard_error } = report.error;
+    let error = Estimate { value: value / unit, standard_error: standard_error / unit };
+    Report { error, mean_irradiance: unit * report.mean_irradiance, ..report.clone() }
 }
 
 /// The exitance of the brightest surface, or the brightness of the brightest lamp.

@@ -3,7 +3,7 @@
 //! A lamp within rounding of a surface is before it, as the baker promises: rays would pass it on both sides of a sheet, or on none. One
 //! at the height `h` over a surface lights a spot of about the size of `h` with half of its flux. No ray from elsewhere finds that spot
 //! by chance, so light that a lamp throws on what is nearer to it than a share of the scene is sampled from the lamp: a direction, the
-//! place that it meets, and its connection with the vertex of the path. (Paths from both ends: Lafortune and Willems, *Bi-directional path
+//! place that it meets, and its connection with the vertex of the path. So is all light of narrow spots. (Paths from both ends: Lafortune and Willems, *Bi-directional path
 //! tracing*, 1993.) Every path of light is counted once, by where its first place from the lamp is.
 
 use std::f64::consts::{PI, TAU};
@@ -17,6 +17,8 @@ use crate::tracer::Tracer;
 /// Places nearer to a lamp than this share of the extent are found from the lamp: beyond, light is even enough to be found by chance. With
 /// a tenth of it, a bulb 10 um under a ceiling takes a hundred times as many paths.
 const NEAR_OF_EXTENT: f64 = 0.02;
+/// All that spots of less than this are aimed at is found from them: a thirtieth of a hemisphere.
+const NARROW_RAD: f64 = 0.25;
 /// How far before a surface a lamp stands that lies on it, in lengths within which things touch.
 const BEFORE_OF_TOUCHING: f64 = 2.0;
 /// A lamp farther than this from a sheet of two sides is on one of them, in the same lengths; nearer, it is before the front.
@@ -41,10 +43,21 @@ pub(crate) fn lamps(scene: &Scene, tracer: &Tracer) -> Vec<PlacedLamp> {
         *position_m = before_surfaces(scene, tracer, *position_m);
         let near_m = NEAR_OF_EXTENT * tracer.extent_m;
         let is_near = tracer.triangles.iter().any(|triangle| triangle.distance_m(*position_m) < near_m);
-        let near_m = if is_near { near_m } else { 0.0 };
+        let near_m = if is_narrow(&lamp) {
+            f64::INFINITY
+        } else if is_near {
+            near_m
+        } else {
+            0.0
+        };
         PlacedLamp { lamp, near_m }
     };
     scene.lamps.iter().map(placed).collect()
+}
+
+/// Whether a lamp is a spot whose circles of light are too small to be found by chance.
+fn is_narrow(lamp: &Lamp) -> bool {
+    matches!(lamp.kind, LampKind::Spot { outer_rad, .. } if outer_rad < NARROW_RAD)
 }
 
 /// Moves a point before all sides that it lies on.
