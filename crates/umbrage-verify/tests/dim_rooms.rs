@@ -31,7 +31,7 @@ fn rooms(ajar_degrees: f64, spark: f64) -> Scene {
     let mut add = |material: Material, faces: Vec<Vec<DVec3>>| {
         let material = scene.materials.push_and_get_key(material);
         let mut surface = Surface::new(NodeId::from(0), material);
-        faces.into_iter().for_each(|face| surface.push_polygon(face.into_iter()));
+        faces.into_iter().for_each(|face| surface.push_polygon(face));
         scene.surfaces.push(surface);
     };
     let part = |y: [f64; 2], z: [f64; 2]| box_faces(DVec3::new(-0.1, y[0], z[0]), DVec3::new(0.0, y[1], z[1]));
