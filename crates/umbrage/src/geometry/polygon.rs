@@ -54,6 +54,33 @@ pub fn second_moment_m2(corners: &[DVec2]) -> DMat2 {
     if area > 0.0 { second * (1.0 / area) - outer(moment / area) } else { DMat2::ZERO }
 }
 
+/// A point of a convex polygon, evenly by area for `s` and `t` that are even.
+pub fn point_of(corners: &[DVec3], s: f64, t: f64) -> DVec3 {
+    let doubled_m2 = |i: usize| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]).length();
+    let (i, away) = triangle_of(corners.len(), doubled_m2, s);
+    corners[0] + away * (corners[i].lerp(corners[i + 1], t) - corners[0])
+}
+
+/// The same of a convex counter-clockwise polygon in a plane frame.
+pub fn point_of_2d(corners: &[DVec2], s: f64, t: f64) -> DVec2 {
+    let doubled_m2 = |i: usize| (corners[i] - corners[0]).perp_dot(corners[i + 1] - corners[0]).max(0.0);
+    let (i, away) = triangle_of(corners.len(), doubled_m2, s);
+    corners[0] + away * (corners[i].lerp(corners[i + 1], t) - corners[0])
+}
+
+/// Which triangle of the fan from the first of so many corners an even number falls on, by area, and how far the point is then from that
+/// corner, as a share of the way across.
+fn triangle_of(corners: usize, doubled_m2: impl Fn(usize) -> f64, number: f64) -> (usize, f64) {
+    let last = corners - 2;
+    let mut left = number * (1..=last).map(&doubled_m2).sum::<f64>();
+    let mut triangle = 1;
+    while triangle < last && left >= doubled_m2(triangle) {
+        left -= doubled_m2(triangle);
+        triangle += 1;
+    }
+    (triangle, (left / doubled_m2(triangle).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0).sqrt())
+}
+
 /// Length of the boundary, in metres.
 pub fn perimeter_m(corners: &[DVec3]) -> f64 {
     (0..corners.len()).map(|i| corners[i].distance(corners[(i + 1) % corners.len()])).sum()
@@ -125,5 +152,19 @@ mod tests {
     #[test]
     fn the_centroid_of_a_line_is_its_mean() {
         assert_eq!(centroid(&[DVec3::ZERO, DVec3::X, DVec3::X * 2.0]), DVec3::X);
+    }
+
+    #[test]
+    fn points_of_a_polygon_are_even() {
+        let corners = [DVec3::ZERO, 2.0 * DVec3::X, 2.0 * DVec3::X + DVec3::Y, DVec3::Y];
+        let mean = |point: &dyn Fn(f64, f64) -> DVec3| {
+            let at = |i: u32| point((f64::from(i) + 0.5) / 4096.0, (0.618_034 * f64::from(i)).fract());
+            (0..4096).map(at).sum::<DVec3>() / 4096.0
+        };
+        let flat = corners.map(DVec3::truncate);
+        let means = [mean(&|s, t| point_of(&corners, s, t)), mean(&|s, t| point_of_2d(&flat, s, t).extend(0.0))];
+        for mean in means {
+            assert!((mean - DVec3::new(1.0, 0.5, 0.0)).length() < 2e-3, "{mean}");
+        }
     }
 }

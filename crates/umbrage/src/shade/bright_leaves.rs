@@ -11,10 +11,11 @@
 use std::collections::BTreeMap;
 
 use super::irradiance::{Irradiance, Terms};
+use crate::geometry::polygon;
 use crate::id::{PatchId, Table};
 use crate::mesh::Mesh;
 use crate::scene::Rgb;
-use crate::transport::{Linear, cosine_direction, point_of};
+use crate::transport::{Linear, cosine_direction};
 use crate::visibility::FirstMet;
 
 /// A leaf that reflects more than this share of all that is reflected is bright. Below it, what one leaf errs by does not show in the
@@ -120,7 +121,7 @@ fn share_on_fronts(light: &Irradiance<'_>, leaf: PatchId) -> f64 {
     let is_on_front = |number: &usize| {
         let even = (*number as f64 + 0.5) / RAYS as f64;
         let [s, t, around] = STEPS.map(|step| (0.5 + step * *number as f64).fract());
-        let from_m = point_of(&corners_m, s, t);
+        let from_m = polygon::point_of(&corners_m, s, t);
         let to_m = from_m + outside_m * cosine_direction(prepared.normal(face), even, around);
         matches!(light.visibility.first_met(from_m, to_m, Some(plane)), FirstMet::Front(..))
     };

@@ -24,7 +24,7 @@ use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress};
 use crate::scene::{Rgb, Scene};
-use crate::texels::{RayTree, Sources, TexelRadiosity};
+use crate::texels::{BrightTexels, RayTree, Sources, TexelRadiosity};
 use crate::transport::{BrightPlace, DirectLight};
 use crate::visibility::{AtPoints, ReceiverPoint, Visibility};
 
@@ -39,6 +39,13 @@ const CUTS_OF_ROOM: f64 = 0.5;
 
 /// What light is gathered on is not written: with few triangles it may be finer than what is shown, up to so many.
 const LEAST_GATHERED: usize = 4_000;
+
+/// Emitters show their own colour: what they receive besides may err ten times what others may. Slats before a luminous window took a
+/// quarter of all samples to it.
+const WEIGHT_OF_EMITTERS: f64 = 0.01;
+
+/// Next events go with samples where they take off so much of the variance of what rays bring.
+const WORTH_EVENTS: f64 = 2.5;
 
 /// Up to so many polygons the default tolerance is the one of a room; with more it grows in proportion, up to the greatest.
 const POLYGONS_OF_ROOM: usize = 5_000;
@@ -227,11 +234,15 @@ pub fn shade(
         }
         IndirectLight::Sampled { visibility, tree, light } => {
             let sources = Sources::new(scene, prepared, direct, tree);
-            let from = Gathering { prepared, visibility, tree, sources: &sources, light };
+            let bright = BrightTexels::new(prepared, &light.grid, &light.reflected, WORTH_EVENTS);
+            let from = Gathering { prepared, visibility, tree, sources: &sources, light, bright: bright.as_ref() };
             let settings = RegressionSettings { tolerance: settings.tolerance, mean };
-            // Emitters show their own colour, and receive all the same.
-            let is_written = |face: FaceId| scene.surfaces[prepared.faces[face].surface].baked;
-            Indirect::Fitted(Box::new(regress(from, gathering.clone(), &places, is_written, settings, progress)?))
+            let weight = |face: FaceId| match scene.surfaces[prepared.faces[face].surface].baked {
+                true if prepared.shows_light(scene, face) => 1.0,
+                true => WEIGHT_OF_EMITTERS,
+                false => 0.0,
+            };
+            Indirect::Fitted(Box::new(regress(from, gathering.clone(), &places, weight, settings, progress)?))
         }
     };
     let (samples, of_fit) = match &light {

@@ -14,11 +14,12 @@
 use rayon::prelude::*;
 
 use super::{Solution, Surfaces};
+use crate::geometry::polygon;
 use crate::id::{FaceId, PatchId};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
 use crate::scene::Rgb;
-use crate::transport::{DirectLight, cosine_direction, point_of};
+use crate::transport::{DirectLight, cosine_direction};
 use crate::visibility::Visibility;
 
 /// Rays that are followed in all: what leaves is then known to about a thousandth of itself.
@@ -118,7 +119,7 @@ enum Fate {
 fn fate(prepared: &Prepared, visibility: &Visibility, mesh: &Mesh, leaf: PatchId, number: usize) -> Fate {
     let face = mesh.patch(leaf).face;
     let [s, t, u, v] = lattice(number);
-    let from_m = point_of(&mesh.polygon_m(leaf), s, t);
+    let from_m = polygon::point_of(&mesh.polygon_m(leaf), s, t);
     let to_m = from_m + OUTSIDE_EXTENTS * prepared.tolerance.extent_m * cosine_direction(prepared.normal(face), u, v);
     let crossing = |other: FaceId| {
         let plane = prepared.oriented_plane(other);

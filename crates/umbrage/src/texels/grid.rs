@@ -38,6 +38,8 @@ pub(crate) struct Texel {
     pub(crate) point_m: DVec3,
     /// Its area, in square metres.
     pub(crate) area_m2: f64,
+    /// The number of its cell in the grid of the face.
+    cell: u32,
 }
 
 /// The grid over a face.
@@ -92,31 +94,41 @@ impl Layout {
         (self.size_m / side_m).ceil().max(DVec2::ONE).to_array().map(|count| count as u32)
     }
 
+    /// The size of a cell, in metres.
+    fn cell_m(&self, count: [u32; 2]) -> DVec2 {
+        self.size_m / DVec2::new(f64::from(count[0]), f64::from(count[1]))
+    }
+
+    /// The part of a cell that lies in the face.
+    fn part_of_cell(&self, number: u32, count: [u32; 2]) -> Convex {
+        let cell_m = self.cell_m(count);
+        let low = DVec2::new((number % count[0]).into(), (number / count[0]).into()) * cell_m;
+        let corners = [low, low + cell_m.with_y(0.0), low + cell_m, low + cell_m.with_x(0.0)];
+        clip::intersection(&corners, &self.outline_m).into()
+    }
+
     /// The points and areas of the texels, and the number of each cell's texel among them.
     fn texels(&self, face: FaceId, count: [u32; 2]) -> (Vec<Texel>, Vec<u32>) {
-        let cell_m = self.size_m / DVec2::new(f64::from(count[0]), f64::from(count[1]));
+        let cell_m = self.cell_m(count);
         let sequence = Sequence::new(key_of(face.index(), Self::POINTS));
         let (mut texels, mut cells) = (Vec::new(), vec![u32::MAX; (count[0] * count[1]) as usize]);
         let to_3d = |p: DVec2| self.corner_m + p.x * self.axes[0] + p.y * self.axes[1];
         for (number, cell) in cells.iter_mut().enumerate() {
-            let at = DVec2::new((number as u32 % count[0]).into(), (number as u32 / count[0]).into());
-            let low = at * cell_m;
-            let corners = [low, low + cell_m.with_y(0.0), low + cell_m, low + cell_m.with_x(0.0)];
-            let part: Convex = clip::intersection(&corners, &self.outline_m).into();
+            let part = self.part_of_cell(number as u32, count);
             let area_m2 = if part.len() < 3 { 0.0 } else { polygon::signed_area_2d_m2(&part) };
             if area_m2 <= MIN_SHARE_OF_CELL * cell_m.element_product() {
                 continue;
             }
             let [s, t, ..] = sequence.at(number).map(f64::from);
             let middle = part.iter().sum::<DVec2>() / part.len() as f64;
-            let point_m = to_3d(point_of(&part, s, t).lerp(middle, INSIDE));
+            let point_m = to_3d(polygon::point_of_2d(&part, s, t).lerp(middle, INSIDE));
             *cell = texels.len() as u32;
-            texels.push(Texel { face, point_m, area_m2 });
+            texels.push(Texel { face, point_m, area_m2, cell: number as u32 });
         }
         if texels.is_empty() {
             let middle = self.outline_m.iter().sum::<DVec2>() / self.outline_m.len() as f64;
             let area_m2 = polygon::signed_area_2d_m2(&self.outline_m).max(0.0);
-            texels.push(Texel { face, point_m: to_3d(middle), area_m2 });
+            texels.push(Texel { face, point_m: to_3d(middle), area_m2, cell: 0 });
         }
         let known = cells.clone();
         for (number, cell) in cells.iter_mut().enumerate().filter(|(_, cell)| **cell == u32::MAX) {
@@ -139,20 +151,6 @@ fn beside(cells: &[u32], [columns, rows]: [u32; 2], number: u32) -> Option<u32> 
     };
     const AROUND: [(i64, i64); 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
     AROUND.iter().find_map(|&(dx, dy)| at(dx, dy))
-}
-
-/// A point of a convex polygon, evenly by area for `s` and `t` that are even.
-pub(crate) fn point_of(corners: &[DVec2], s: f64, t: f64) -> DVec2 {
-    let doubled_m2 = |i: usize| (corners[i] - corners[0]).perp_dot(corners[i + 1] - corners[0]).max(0.0);
-    let last = corners.len() - 2;
-    let mut left = s * (1..=last).map(doubled_m2).sum::<f64>();
-    let mut triangle = 1;
-    while triangle < last && left >= doubled_m2(triangle) {
-        left -= doubled_m2(triangle);
-        triangle += 1;
-    }
-    let share = (left / doubled_m2(triangle).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0).sqrt();
-    corners[0] + share * ((1.0 - t) * (corners[triangle] - corners[0]) + t * (corners[triangle + 1] - corners[0]))
 }
 
 impl TexelGrid {
@@ -199,6 +197,13 @@ impl TexelGrid {
     /// All texels, those of one face in a row.
     pub(crate) fn texels(&self) -> &[Texel] {
         &self.texels
+    }
+
+    /// The corners of the part of its cell that is a texel, in metres.
+    pub(crate) fn outline_m(&self, prepared: &Prepared, texel: &Texel) -> Vec<DVec3> {
+        let layout = Layout::new(prepared, texel.face);
+        let part = layout.part_of_cell(texel.cell, self.faces[texel.face].count);
+        part.into_iter().map(|at| layout.corner_m + at.x * layout.axes[0] + at.y * layout.axes[1]).collect()
     }
 
     /// About how wide texels of large faces are, in metres.

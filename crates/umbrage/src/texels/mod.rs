@@ -5,13 +5,15 @@
 //! What is shown comes from fits to many rays that meet these cells (`shade::regression`).
 
 mod grid;
+mod light_tree;
+mod next_event;
 mod patches;
 mod radiosity;
 mod ray_tree;
 mod sequence;
 mod sources;
 
-pub(crate) use grid::point_of;
+pub(crate) use next_event::{BrightTexels, NextEvents, density};
 pub use radiosity::TexelRadiosity;
 pub(crate) use ray_tree::Ray;
 pub use ray_tree::RayTree;

@@ -8,6 +8,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::grid::TexelGrid;
+use super::next_event::{BrightTexels, density};
 use super::ray_tree::{Ray, RayTree};
 use super::sequence::{Draws, Sequence, key_of};
 use super::sources::{Sources, Start};
@@ -20,6 +21,11 @@ use crate::visibility::Visibility;
 
 /// Rays from each texel. With 4 what is shown errs a tenth more, with 16 no less.
 const RAYS: usize = 8;
+/// Next events from each texel, where they take off so much of the variance of what rays bring.
+const EVENTS: usize = 4;
+const WORTH_EVENTS: f64 = 5.0;
+/// Nodes of the tree of bright texels that the events of a texel choose from.
+const NODES_OF_CUT: usize = 12;
 /// Shadow rays from each texel to each source that matters.
 const SHADOW_RAYS: usize = 2;
 /// Bounces end where one changes less than this share of all light: with a reflectance of 0.9 a tenfold of that is missing.
@@ -54,6 +60,8 @@ pub struct TexelRadiosity {
     pub(crate) rough: Vec<bool>,
     /// Reflectance of each face.
     pub(crate) reflectance: Table<FaceId, Vec3>,
+    /// Unit normal of each face.
+    pub(crate) normals: Table<FaceId, Vec3>,
     /// Mean irradiance over all faces that show it, in W/m2.
     pub(crate) mean: Rgb,
     /// What the last bounce changed, as a share of all light.
@@ -94,6 +102,12 @@ impl TexelRadiosity {
                 Ok(sources.irradiance(&start(number), SHADOW_RAYS, || draws.next()).as_vec3())
             })
             .collect::<Result<Vec<Vec3>, Cancelled>>()?;
+        let reflectance: Table<FaceId, Vec3> =
+            prepared.faces.iter().map(|face| scene.materials[face.material].reflectance.as_vec3()).collect();
+        let reflects = |number: usize, light: Vec3| reflectance[texels[number].face] * light;
+        let mut reflected: Vec<Vec3> = direct.iter().enumerate().map(|(i, &light)| reflects(i, light)).collect();
+        let bright = BrightTexels::new(prepared, &grid, &reflected, WORTH_EVENTS);
+        let normals: Table<FaceId, Vec3> = prepared.faces.keys().map(|face| prepared.normal(face).as_vec3()).collect();
         let hits = (0..texels.len())
             .into_par_iter()
             .map(|number| {
@@ -101,27 +115,19 @@ impl TexelRadiosity {
                     progress.report(Stage::Solve, texels.len() + number, 2 * texels.len())?;
                 }
                 if covered[number] {
-                    return Ok([NOTHING; RAYS]);
+                    return Ok(([NOTHING; RAYS], Vec3::ZERO));
                 }
-                let (start, sequence) = (start(number), Sequence::new(key_of(number, OF_BOUNCES)));
-                Ok(std::array::from_fn(|ray| {
-                    let [s, t, ..] = sequence.at(ray);
-                    let ray = Ray { from: start.from, along: start.direction(s, t) };
-                    met(tree, &grid, ray).map_or(NOTHING, |texel| texel as u32)
-                }))
+                let start = start(number);
+                Ok(bounce(tree, &grid, &start, key_of(number, OF_BOUNCES), (&reflected, bright.as_ref()), &normals))
             })
-            .collect::<Result<Vec<[u32; RAYS]>, Cancelled>>()?;
-        let reflectance: Table<FaceId, Vec3> =
-            prepared.faces.iter().map(|face| scene.materials[face.material].reflectance.as_vec3()).collect();
-        let reflects = |number: usize, light: Vec3| reflectance[texels[number].face] * light;
+            .collect::<Result<Vec<([u32; RAYS], Vec3)>, Cancelled>>()?;
         let mut indirect = vec![Vec3::ZERO; texels.len()];
-        let mut reflected: Vec<Vec3> = direct.iter().enumerate().map(|(i, &light)| reflects(i, light)).collect();
         let (mut residual, mut bounces) = (1.0, 0);
         while residual > MAX_RESIDUAL && bounces < MAX_BOUNCES {
             progress.report(Stage::Solve, bounces, 0)?;
-            let arriving = |hits: &[u32; RAYS]| {
+            let arriving = |(hits, by_events): &([u32; RAYS], Vec3)| {
                 let brought = hits.iter().filter(|&&hit| hit != NOTHING).map(|&hit| reflected[hit as usize]);
-                brought.sum::<Vec3>() / RAYS as f32
+                (brought.sum::<Vec3>() / RAYS as f32 + by_events).max(Vec3::ZERO)
             };
             let next: Vec<Vec3> = hits.par_iter().map(arriving).collect();
             let (mut change, mut all) = (0.0, 0.0);
@@ -136,22 +142,54 @@ impl TexelRadiosity {
             bounces += 1;
         }
         let (mut power, mut area_m2) = (Rgb::ZERO, 0.0);
-        for (number, texel) in texels.iter().enumerate().filter(|(_, texel)| prepared.shows_light(scene, texel.face)) {
+        // Where nothing but emitters is there, the mean is theirs.
+        let some_show = prepared.faces.keys().any(|face| prepared.shows_light(scene, face));
+        let counts = |face: FaceId| !some_show || prepared.shows_light(scene, face);
+        for (number, texel) in texels.iter().enumerate().filter(|(_, texel)| counts(texel.face)) {
             power += texel.area_m2 * (direct[number] + indirect[number]).as_dvec3();
             area_m2 += texel.area_m2;
         }
         let rough = rough(prepared, &grid, &direct);
         let mean = power / area_m2.max(f64::MIN_POSITIVE);
         tracing::debug!(texels = texels.len(), bounces, residual, "texels");
-        Ok(Self { grid, direct, indirect, reflected, rough, reflectance, mean, residual, bounces })
+        Ok(Self { grid, direct, indirect, reflected, rough, reflectance, normals, mean, residual, bounces })
     }
 }
 
-/// The texel that a ray meets the front of.
-fn met(tree: &RayTree, grid: &TexelGrid, ray: Ray) -> Option<usize> {
-    let hit = tree.first(ray)?;
-    let face = hit.front?;
-    Some(grid.texel_at(face, ray.from + hit.distance_m * ray.along))
+/// The texels that the rays of a texel meet, and what next events bring of the light that bright ones send first, less the share of it
+/// that they take from the rays.
+fn bounce(
+    tree: &RayTree,
+    grid: &TexelGrid,
+    start: &Start,
+    key: u64,
+    (first, bright): (&[Vec3], Option<&BrightTexels>),
+    normals: &Table<FaceId, Vec3>,
+) -> ([u32; RAYS], Vec3) {
+    let (sequence, normal) = (Sequence::new(key), start.axes[2]);
+    let events = bright.map(|bright| bright.events(&[start.from], normal, EVENTS as f32 / RAYS as f32, NODES_OF_CUT));
+    let mut by_events = Vec3::ZERO;
+    let hits = std::array::from_fn(|number| {
+        let [s, t, ..] = sequence.at(number);
+        let ray = Ray { from: start.from, along: start.direction(s, t) };
+        let Some((face, distance_m)) = tree.first(ray).and_then(|hit| Some((hit.front?, hit.distance_m))) else {
+            return NOTHING;
+        };
+        let texel = grid.texel_at(face, ray.from + distance_m * ray.along);
+        if let Some(events) = &events {
+            let [received, sent] = [ray.along.dot(normal), -ray.along.dot(normals[face])];
+            let density = density(received, sent, 1.0) / (distance_m * distance_m);
+            by_events -= events.share_of(texel, density) * first[texel];
+        }
+        texel as u32
+    });
+    if let Some(events) = &events {
+        for number in 0..EVENTS {
+            let event = events.draw(tree, start.from, normal, sequence.more_at(number));
+            by_events += event.map_or(Vec3::ZERO, |event| event.weight * first[event.texel]);
+        }
+    }
+    (hits, by_events / RAYS as f32)
 }
 
 /// Which texels have neighbours whose direct light is much unlike theirs.

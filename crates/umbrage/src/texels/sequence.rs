@@ -25,6 +25,12 @@ impl Sequence {
         let seed = mix(self.key ^ ((number / POINTS_OF_SEED) as u64) << 40) as u32;
         sobol_burley::sample_4d((number % POINTS_OF_SEED) as u32, 0, seed)
     }
+
+    /// Four numbers more that belong to the same point.
+    pub(crate) fn more_at(&self, number: usize) -> [f32; 4] {
+        let seed = mix(self.key ^ ((number / POINTS_OF_SEED) as u64) << 40) as u32;
+        sobol_burley::sample_4d((number % POINTS_OF_SEED) as u32, 1, seed)
+    }
 }
 
 /// Random numbers one after the other, without strata: for choices that are averaged over many points.

@@ -1,15 +1,19 @@
-//! Direct light of texels: the light of every source that falls on a point if nothing stood between, times the share of it that shadow
-//! rays see.
+//! Direct light of texels and of places that rays meet: what sources bring if nothing stood between, times what shadow rays see of them.
 //!
-//! A luminous face is cut into pieces that are small beside their distance; each has its exact form factor, and rays go to pieces in
-//! proportion to that. So nothing is said of a part that no ray was sent to, and the estimate has no bias near a large source. Of
-//! many sources those that bring little are represented by one of them, chosen in proportion to its light.
+//! **Texels** have a few rays to each source that matters. A luminous face is cut into pieces that are small beside their distance; each
+//! has its exact form factor, and rays go to pieces in proportion to that. So nothing is said of a part that no ray was sent to, and
+//! the estimate has no bias near a large source. Where sources are many, a cut through a light tree stands for them: one source of each
+//! part, drawn by power. Those that bring little are represented by one of them, drawn by its light.
+//!
+//! **Other places** are met once, and have one ray, to a source that is drawn by its light.
 
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
+use super::light_tree::{Light, LightTree};
 use super::ray_tree::RayTree;
-use crate::id::FaceId;
+use crate::geometry::polygon;
+use crate::id::{FaceId, LampId};
 use crate::prepare::Prepared;
 use crate::scene::{Rgb, Scene};
 use crate::transport::DirectLight;
@@ -23,9 +27,10 @@ const MAX_QUARTERINGS: u32 = 6;
 /// Sources that bring less than this share of the light of all have one ray together, where there are more than so many.
 const MIN_SHARE: f64 = 0.03;
 const FEW_SOURCES: usize = 4;
+/// Of more sources than this, one stands for each part of a cut of so many through the light tree.
+const MOST_SOURCES: usize = 24;
 /// The end of a ray is chosen among so many points of a piece: with one, the shadow of a thing near a large source is off by 5 %.
 const CANDIDATES: usize = 6;
-
 /// Where rays leave a surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Start {
@@ -73,6 +78,13 @@ fn on_disk(s: f32, t: f32) -> [f32; 2] {
     [radius * cosine, radius * sine]
 }
 
+/// A luminous face, or a lamp at a place.
+#[derive(Clone, Debug)]
+enum Source {
+    Area(AreaSource),
+    Lamp(LampId),
+}
+
 /// A luminous face.
 #[derive(Clone, Debug)]
 struct AreaSource {
@@ -84,20 +96,24 @@ struct AreaSource {
 /// The sources of a scene, for shadow rays.
 #[derive(Debug)]
 pub(crate) struct Sources<'a> {
-    areas: Vec<AreaSource>,
+    /// Those at a place, in the order of the tree.
+    placed: Vec<Source>,
+    lights: LightTree,
+    /// Distant lamps.
+    distant: Vec<LampId>,
     direct: &'a DirectLight<'a>,
     tree: &'a RayTree,
 }
 
 /// What a source brings to a point if nothing stands between.
-struct Bare {
+struct Bare<'b> {
     light: Rgb,
-    to: Target,
+    to: Target<'b>,
 }
 
 /// Where shadow rays go.
-enum Target {
-    Area(usize),
+enum Target<'b> {
+    Area(&'b AreaSource),
     Point(DVec3),
 }
 
@@ -106,24 +122,39 @@ type Piece = ([DVec3; 3], f64);
 
 impl<'a> Sources<'a> {
     pub(crate) fn new(scene: &Scene, prepared: &Prepared, direct: &'a DirectLight<'a>, tree: &'a RayTree) -> Self {
-        let luminous = prepared.faces.iter_enumerated().filter_map(|(id, face)| {
+        let (mut placed, mut distant, mut lights) = (Vec::new(), Vec::new(), Vec::new());
+        for (id, face) in prepared.faces.iter_enumerated() {
             let material = &scene.materials[face.material];
-            let source = || AreaSource {
-                corners_m: prepared.polygon_m(id),
-                normal: prepared.normal(id),
-                exitance: material.exitance(),
-            };
-            material.emits().then(source)
-        });
-        Self { areas: luminous.collect(), direct, tree }
+            if material.emits() {
+                let (corners_m, normal) = (prepared.polygon_m(id), prepared.normal(id));
+                let source = AreaSource { corners_m, normal, exitance: material.exitance() };
+                lights.push(source.light());
+                placed.push(Source::Area(source));
+            }
+        }
+        for (id, lamp) in direct.lamps() {
+            match lamp.position_m() {
+                Some(position_m) if lamp.emits() => {
+                    // At a metre.
+                    let power = lamp.brightness().element_sum() as f32;
+                    lights.push(Light { middle: position_m.as_vec3(), radius_m: 0.0, normal: None, power });
+                    placed.push(Source::Lamp(id));
+                }
+                Some(_) => {}
+                None => distant.push(id),
+            }
+        }
+        let (lights, order) = LightTree::new(&lights);
+        let placed = order.iter().map(|&number| placed[number as usize].clone()).collect();
+        Self { placed, lights, distant, direct, tree }
     }
 
     /// An unbiased estimate of the direct irradiance at a point, from `rays` shadow rays to each source that matters.
     pub(crate) fn irradiance(&self, start: &Start, rays: usize, mut draw: impl FnMut() -> f32) -> Rgb {
-        let bare = self.bare(start);
+        let bare = self.bare(start, &mut draw);
         let all: f64 = bare.iter().map(|bare| bare.light.element_sum()).sum();
-        let is_weak = |bare: &Bare| bare.light.element_sum() < MIN_SHARE * all;
-        let (weak, strong): (Vec<&Bare>, Vec<&Bare>) =
+        let is_weak = |bare: &Bare<'_>| bare.light.element_sum() < MIN_SHARE * all;
+        let (weak, strong): (Vec<&Bare<'_>>, Vec<&Bare<'_>>) =
             bare.iter().partition(|source| bare.len() > FEW_SOURCES && is_weak(source));
         let mut light: Rgb =
             strong.iter().map(|source| self.seen(start, &source.to, rays, &mut draw) * source.light).sum();
@@ -135,36 +166,53 @@ impl<'a> Sources<'a> {
 
     /// The same from one shadow ray to one source, for points over which the mean is taken.
     pub(crate) fn irradiance_from_one(&self, start: &Start, mut draw: impl FnMut() -> f32) -> Rgb {
-        let bare = self.bare(start);
-        let all: Vec<&Bare> = bare.iter().collect();
+        let bare = self.bare(start, &mut draw);
+        let all: Vec<&Bare<'_>> = bare.iter().collect();
         let one = drawn(&all, draw());
         one.map_or(Rgb::ZERO, |(source, weight)| weight * self.seen(start, &source.to, 1, &mut draw) * source.light)
     }
 
-    /// The sources that would light a point.
-    fn bare(&self, start: &Start) -> Vec<Bare> {
-        let ReceiverPoint { position_m, normal, .. } = start.receiver;
+    /// The sources that would light a point; where they are many, some for all.
+    fn bare(&self, start: &Start, draw: &mut impl FnMut() -> f32) -> Vec<Bare<'_>> {
         let mut bare = Vec::new();
-        for (number, source) in self.areas.iter().enumerate() {
-            if source.normal.dot(position_m - source.corners_m[0]) > 0.0 {
-                let factor = point_to_polygon(position_m, normal, &source.corners_m).max(0.0);
-                if factor > 0.0 {
-                    bare.push(Bare { light: factor * source.exitance, to: Target::Area(number) });
-                }
+        if self.placed.len() <= MOST_SOURCES {
+            bare.extend(self.placed.iter().filter_map(|source| self.bare_of(start, source, 1.0)));
+        } else {
+            let cut = self.lights.cut(&[start.from], start.axes[2], MOST_SOURCES);
+            for lights in self.lights.parts(&cut) {
+                let (number, probability) = self.lights.draw_of(lights, draw());
+                bare.extend(self.bare_of(start, &self.placed[number], 1.0 / f64::from(probability)));
             }
         }
-        self.direct.unoccluded_lamps(&start.receiver, |light, to_m| bare.push(Bare { light, to: Target::Point(to_m) }));
+        self.distant.iter().for_each(|&lamp| bare.extend(self.bare_of_lamp(start, lamp, 1.0)));
         bare
     }
 
-    /// The share of a source's light that rays see.
-    fn seen(&self, start: &Start, to: &Target, rays: usize, draw: &mut impl FnMut() -> f32) -> f64 {
+    fn bare_of<'b>(&'b self, start: &Start, source: &'b Source, weight: f64) -> Option<Bare<'b>> {
         let ReceiverPoint { position_m, normal, .. } = start.receiver;
-        let number = match *to {
+        match source {
+            Source::Lamp(lamp) => self.bare_of_lamp(start, *lamp, weight),
+            Source::Area(source) => {
+                let faces = source.normal.dot(position_m - source.corners_m[0]) > 0.0;
+                let factor = if faces { point_to_polygon(position_m, normal, &source.corners_m) } else { 0.0 };
+                (factor > 0.0).then(|| Bare { light: weight * factor * source.exitance, to: Target::Area(source) })
+            }
+        }
+    }
+
+    fn bare_of_lamp(&self, start: &Start, lamp: LampId, weight: f64) -> Option<Bare<'_>> {
+        let (light, to_m) = self.direct.unoccluded_lamp(lamp, &start.receiver)?;
+        Some(Bare { light: weight * light, to: Target::Point(to_m) })
+    }
+
+    /// The share of a source's light that rays see.
+    fn seen(&self, start: &Start, to: &Target<'_>, rays: usize, draw: &mut impl FnMut() -> f32) -> f64 {
+        let ReceiverPoint { position_m, normal, .. } = start.receiver;
+        let source = match *to {
             Target::Point(to_m) => return f64::from(u8::from(self.tree.is_clear(start.from, to_m.as_vec3()))),
-            Target::Area(number) => number,
+            Target::Area(source) => source,
         };
-        let pieces = pieces(position_m, normal, &self.areas[number].corners_m);
+        let pieces = pieces(position_m, normal, &source.corners_m);
         let whole: f64 = pieces.iter().map(|(_, factor)| factor).sum();
         if whole <= 0.0 {
             return 0.0;
@@ -178,18 +226,24 @@ impl<'a> Sources<'a> {
                 left < 0.0
             };
             let (triangle, _) = pieces[pieces.iter().position(is_drawn).unwrap_or(pieces.len() - 1)];
-            let to_m = self.point_of(number, &triangle, position_m, normal, draw);
+            let to_m = source.point_of(&triangle, position_m, normal, draw);
             clear += u32::from(self.tree.is_clear(start.from, to_m.as_vec3()));
         }
         f64::from(clear) / rays as f64
     }
 }
 
-impl Sources<'_> {
-    /// A point of a piece of a luminous face, drawn about in proportion to what it brings (sampling importance resampling).
+impl AreaSource {
+    fn light(&self) -> Light {
+        let middle_m = self.corners_m.iter().sum::<DVec3>() / self.corners_m.len() as f64;
+        let radius_m = self.corners_m.iter().map(|corner| corner.distance(middle_m)).fold(0.0, f64::max) as f32;
+        let power = (polygon::area_m2(&self.corners_m) * self.exitance.element_sum()) as f32;
+        Light { middle: middle_m.as_vec3(), radius_m, normal: Some(self.normal.as_vec3()), power }
+    }
+
+    /// A point of a piece, drawn about in proportion to what it brings (sampling importance resampling).
     fn point_of(
         &self,
-        source: usize,
         [a, b, c]: &[DVec3; 3],
         position_m: DVec3,
         normal: DVec3,
@@ -200,7 +254,7 @@ impl Sources<'_> {
             let (away, across) = (f64::from(draw()).sqrt(), f64::from(draw()));
             let point_m = a + away * ((1.0 - across) * (b - a) + across * (c - a));
             let towards = point_m - position_m;
-            let height = -self.areas[source].normal.dot(towards);
+            let height = -self.normal.dot(towards);
             let brings = normal.dot(towards).max(0.0) * height.max(0.0) / towards.length_squared().powi(2);
             all += brings;
             if brings > 0.0 && f64::from(draw()) * all < brings {
@@ -212,10 +266,10 @@ impl Sources<'_> {
 }
 
 /// One of some sources, drawn in proportion to its light, and one over its probability.
-fn drawn<'b>(sources: &[&'b Bare], number: f32) -> Option<(&'b Bare, f64)> {
+fn drawn<'b, 's>(sources: &[&'b Bare<'s>], number: f32) -> Option<(&'b Bare<'s>, f64)> {
     let all: f64 = sources.iter().map(|source| source.light.element_sum()).sum();
     let mut left = f64::from(number) * all;
-    let is_drawn = |source: &&&Bare| {
+    let is_drawn = |source: &&&Bare<'_>| {
         left -= source.light.element_sum();
         left < 0.0
     };
@@ -294,6 +348,31 @@ mod tests {
         for (i, at_m) in
             [DVec3::new(0.4, 0.3, 0.0), DVec3::new(-0.9, 0.2, 0.0), DVec3::new(1.1, -0.8, 0.0)].iter().enumerate()
         {
+            for one in [false, true] {
+                let (mean, exact) = mean_and_exact(&polygons, &scene, *at_m, one);
+                assert!((mean / exact - 1.0).abs() < 0.02, "{i}, {one}: {mean} is not {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_cut_stands_for_many_sources_without_bias() {
+        let materials = vec![Material::diffuse("grey", Rgb::splat(0.5)), Material::emitting("lamp", Rgb::ONE)];
+        let mut scene = fixture::scene(materials);
+        let at =
+            |i: usize| DVec3::new(0.7 * (i % 9) as f64 - 3.0, 0.6 * (i / 9) as f64 - 2.0, 1.0 + 0.2 * (i % 4) as f64);
+        let mut polygons: Vec<_> = (0..54).map(|i| (fixture::square(at(i), 0.1, false), 1)).collect();
+        polygons.push((fixture::square(DVec3::ZERO, 4.0, true), 0));
+        polygons.push((fixture::square(DVec3::new(0.2, 0.4, 0.5), 0.4, true), 0));
+        for i in 0..30 {
+            let position_m = at(i) + DVec3::new(0.3, 0.2, 0.4);
+            let kind = LampKind::Point { position_m, intensity: Rgb::splat(0.02), range_m: None };
+            scene.lamps.push(Lamp { name: String::new(), kind });
+        }
+        let direction = DVec3::new(0.3, 0.2, -1.0).normalize();
+        let kind = LampKind::Directional { direction, irradiance: Rgb::splat(0.1) };
+        scene.lamps.push(Lamp { name: String::new(), kind });
+        for (i, at_m) in [DVec3::new(0.4, 0.3, 0.0), DVec3::new(-2.9, 1.2, 0.0)].iter().enumerate() {
             for one in [false, true] {
                 let (mean, exact) = mean_and_exact(&polygons, &scene, *at_m, one);
                 assert!((mean / exact - 1.0).abs() < 0.02, "{i}, {one}: {mean} is not {exact}");

@@ -19,7 +19,8 @@ use rayon::prelude::*;
 use super::form_factor::factor_of_seen;
 use super::lamps::Lamps;
 use super::near_surface::unoccluded;
-use super::ray_lattice::{cosine_direction, point_of};
+use super::ray_lattice::cosine_direction;
+use crate::geometry::polygon;
 use crate::id::{FaceId, LampId, Table};
 use crate::prepare::Prepared;
 use crate::scene::{Lamp, LampKind, Rgb};
@@ -176,7 +177,7 @@ pub(super) fn of_emitters(
         return Vec::new();
     }
     let power_w = |&(_, polygon, exitance): &(&SourcePolygon, &FlatSource, Rgb)| {
-        crate::geometry::polygon::signed_area_2d_m2(&polygon.corners_m) * exitance.element_sum()
+        polygon::signed_area_2d_m2(&polygon.corners_m) * exitance.element_sum()
     };
     let all_w: f64 = emitters.iter().map(power_w).sum();
     let of_one = |emitter: &(&SourcePolygon, &FlatSource, Rgb)| {
@@ -188,7 +189,7 @@ pub(super) fn of_emitters(
         (0..count)
             .filter_map(move |i| {
                 let [s, t] = PLASTIC.map(|step| (step * (i as f64 + 0.5)).fract());
-                let from_m = point_of(&outline.corners_m, s, t);
+                let from_m = polygon::point_of(&outline.corners_m, s, t);
                 let direction = cosine_direction(
                     outline.oriented_plane.normal,
                     (i as f64 + 0.5) / count as f64,

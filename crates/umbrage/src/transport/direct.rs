@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 use crate::id::{FaceId, LampId, PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
-use crate::scene::{Rgb, Scene};
+use crate::scene::{Lamp, Rgb, Scene};
 use crate::visibility::{FlatSource, ReceiverPoint, SourcePolygon, Visibility};
 
 use super::bright_places::{self, BrightPlace, LightSent};
@@ -225,13 +225,15 @@ impl<'a> DirectLight<'a> {
         self.lamps.of_one(lamp, self.visibility, receiver, known).unwrap_or_default()
     }
 
-    /// Visits what each lamp brings to a point if nothing stands between, in W/m2, and where a ray to it ends, in metres.
-    pub(crate) fn unoccluded_lamps(&self, receiver: &ReceiverPoint, mut visit: impl FnMut(Rgb, DVec3)) {
-        for (lamp, _) in self.lamps.iter() {
-            if let Some((light, to_m)) = self.lamps.unoccluded_and_end(lamp, receiver) {
-                visit(light, to_m);
-            }
-        }
+    /// The lamps.
+    pub(crate) fn lamps(&self) -> impl Iterator<Item = (LampId, &Lamp)> {
+        self.lamps.iter()
+    }
+
+    /// What a lamp brings to a point if nothing stands between, in W/m2, and where a ray to it ends, in metres; `None` where it brings
+    /// nothing.
+    pub(crate) fn unoccluded_lamp(&self, lamp: LampId, receiver: &ReceiverPoint) -> Option<(Rgb, DVec3)> {
+        self.lamps.unoccluded_and_end(lamp, receiver)
     }
 
     /// Irradiance of those patches that are leaves, in W/m2; zero for those that are split.

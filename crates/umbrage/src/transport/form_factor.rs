@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3};
 use wide::f64x4;
 
-use crate::geometry::{Plane, clip};
+use crate::geometry::clip;
 use crate::id::FaceId;
 use crate::visibility::{FlatSource, PlaneView, ReceiverPoint, Visibility};
 
@@ -39,8 +39,40 @@ pub fn contour_factor(position_m: DVec3, normal: DVec3, contour_m: &[DVec3]) -> 
 /// The factor of a point with the unit normal `normal` to an unoccluded convex polygon, clipped to the point's horizon
 /// here; zero behind the polygon. Corners run counter-clockwise seen from its front.
 pub fn point_to_polygon(position_m: DVec3, normal: DVec3, corners_m: &[DVec3]) -> f64 {
-    let above = clip::in_front_of(corners_m, &Plane::through(position_m, normal), 0.0);
-    contour_factor(position_m, normal, &above).max(0.0)
+    let height = |corner: &DVec3| normal.dot(corner - position_m);
+    let above = corners_m.iter().filter(|corner| height(corner) >= 0.0).count();
+    if above == 0 {
+        return 0.0;
+    }
+    if above == corners_m.len() {
+        return factor_by_lanes(position_m, normal, corners_m).max(0.0);
+    }
+    let above = clip::where_not_negative(corners_m, |corner| height(&corner));
+    factor_by_lanes(position_m, normal, &above).max(0.0)
+}
+
+/// [`contour_factor`], for four edges at a time.
+fn factor_by_lanes(position_m: DVec3, normal: DVec3, corners_m: &[DVec3]) -> f64 {
+    let mut sums = f64x4::ZERO;
+    for first in (0..corners_m.len()).step_by(EDGES) {
+        let (mut from, mut to) = ([[0.0; EDGES]; 3], [[0.0; EDGES]; 3]);
+        // What is missing of four edges is one without length.
+        for (lane, &corner) in corners_m[first..].iter().take(EDGES).enumerate() {
+            let before = corners_m[(first + lane).checked_sub(1).unwrap_or(corners_m.len() - 1)];
+            let ends = [before, corner].map(|end| end - position_m);
+            for axis in 0..3 {
+                (from[axis][lane], to[axis][lane]) = (ends[0][axis], ends[1][axis]);
+            }
+        }
+        let ([fx, fy, fz], [tx, ty, tz]) = (from.map(f64x4::new), to.map(f64x4::new));
+        let cross = [ty * fz - tz * fy, tz * fx - tx * fz, tx * fy - ty * fx];
+        let sine = (cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]).sqrt();
+        let cosine = fx * tx + fy * ty + fz * tz;
+        let over_edge = cross[0] * normal.x + cross[1] * normal.y + cross[2] * normal.z;
+        // An edge without a sine has no cross product either.
+        sums += sine.atan2(cosine) * over_edge / sine.max(f64x4::splat(f64::MIN_POSITIVE));
+    }
+    sums.reduce_add() / (2.0 * PI)
 }
 
 /// The factor of a point to a polygon of a plane that it views, above its horizon: as [`contour_factor`], in two dimensions, for four

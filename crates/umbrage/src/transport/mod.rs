@@ -31,7 +31,7 @@ pub use link::{Link, LinkError, Links, Node};
 pub use obstacles::Obstacles;
 pub use oracle::{Decision, FormFactorOracle, Oracle, OracleKind, PaperOracle, ParseOracleError};
 pub use places_of_leaves::PlacesOfLeaves;
-pub(crate) use ray_lattice::{cosine_direction, point_of};
+pub(crate) use ray_lattice::cosine_direction;
 pub use seen::{KnownSources, SourceMemory, SourcesSeen};
 pub use subdivide::{link_all, subdivide_all};
 pub use uneven::split_where_uneven;

@@ -18,6 +18,9 @@ const CELLS: [(f64, usize); 1] = [(256.0, 4)];
 /// Samples for each class of directions, and the most classes along each side.
 const SAMPLES_A_CLASS: f64 = 6.0;
 const MAX_CLASSES: usize = 16;
+/// The same of next events.
+const SAMPLES_AN_EVENT_CLASS: usize = 12;
+const MAX_EVENT_CLASSES: usize = 64;
 /// A class of few samples is drawn to nothing by half a sample.
 const OF_NO_CLASS: f32 = 0.5;
 /// Light that near geometry reflects may vary over the leaf by this share of itself.
@@ -34,36 +37,66 @@ const SURE: f64 = 3.0;
 const OF_SUPPOSED: f64 = 30.0;
 const OF_SUPPOSED_SPREAD: f64 = 12.0;
 
-/// Light by class of direction, less its mean: classes are equally probable.
+/// Light by class of direction, and of next event, less its mean: classes are equally probable.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Classes {
+    /// Classes of directions are `side` times `side`.
     side: usize,
-    light: Vec<Vec3>,
+    of_directions: Vec<Vec3>,
+    of_events: Vec<Vec3>,
 }
 
 impl Classes {
-    /// What is known of a sample's light from its direction, in W/m2.
+    /// What is known of a sample's light from its direction and its event, in W/m2.
     pub(super) fn light(&self, sample: &Sample) -> Rgb {
-        if self.side == 0 { Rgb::ZERO } else { self.light[sample.class(self.side)].as_dvec3() }
+        let of_event = match self.of_events.len() {
+            0 => Vec3::ZERO,
+            classes => self.of_events[sample.class_of_event(classes)],
+        };
+        (self.of_direction(sample) + of_event).as_dvec3()
     }
 
-    /// Means of residuals by class.
-    fn of(samples: &[Sample], residuals: &[Vec3]) -> Self {
-        let side = ((samples.len() as f64 / SAMPLES_A_CLASS).sqrt() as usize).min(MAX_CLASSES);
-        if side < 2 {
-            return Self::default();
-        }
-        let mut light = vec![Vec3::ZERO; side * side];
-        let mut counts = vec![OF_NO_CLASS; side * side];
-        for (sample, &residual) in samples.iter().zip(residuals) {
-            light[sample.class(side)] += residual;
-            counts[sample.class(side)] += 1.0;
-        }
-        light.iter_mut().zip(&counts).for_each(|(light, count)| *light /= *count);
-        let mean = light.iter().sum::<Vec3>() / light.len() as f32;
-        light.iter_mut().for_each(|light| *light -= mean);
-        Self { side, light }
+    fn of_direction(&self, sample: &Sample) -> Vec3 {
+        if self.side == 0 { Vec3::ZERO } else { self.of_directions[sample.class(self.side)] }
     }
+
+    /// Values that are fitted for the classes.
+    fn values(&self) -> usize {
+        self.of_directions.len() + self.of_events.len()
+    }
+
+    /// Means of residuals by class; of events, where samples have any.
+    fn of(samples: &[Sample], residuals: &[Vec3], has_events: bool) -> Self {
+        let mut classes = Self::default();
+        let side = ((samples.len() as f64 / SAMPLES_A_CLASS).sqrt() as usize).min(MAX_CLASSES);
+        if side >= 2 {
+            let by_class = samples.iter().zip(residuals).map(|(sample, &residual)| (sample.class(side), residual));
+            classes.of_directions = means(side * side, by_class);
+            classes.side = side;
+        }
+        let count = (samples.len() / SAMPLES_AN_EVENT_CLASS).min(MAX_EVENT_CLASSES);
+        if has_events && count >= 2 {
+            let rest = |(sample, residual): (&Sample, &Vec3)| {
+                (sample.class_of_event(count), residual - classes.of_direction(sample))
+            };
+            classes.of_events = means(count, samples.iter().zip(residuals).map(rest));
+        }
+        classes
+    }
+}
+
+/// Means by class, less the mean of all.
+fn means(classes: usize, residuals: impl Iterator<Item = (usize, Vec3)>) -> Vec<Vec3> {
+    let mut light = vec![Vec3::ZERO; classes];
+    let mut counts = vec![OF_NO_CLASS; classes];
+    for (class, residual) in residuals {
+        light[class] += residual;
+        counts[class] += 1.0;
+    }
+    light.iter_mut().zip(&counts).for_each(|(light, count)| *light /= *count);
+    let mean = light.iter().sum::<Vec3>() / classes as f32;
+    light.iter_mut().for_each(|light| *light -= mean);
+    light
 }
 
 /// Sums of squared sums over cells of one size.
@@ -102,7 +135,12 @@ pub(super) struct Judged {
 
 impl Evidence {
     /// Looks at the residuals of a leaf's samples against the fit, and finds the classes of their directions.
-    pub(super) fn of(polygon_m: &[DVec2], samples: &[Sample], elements: &[Element], values: &[Rgb]) -> (Self, Classes) {
+    pub(super) fn of(
+        polygon_m: &[DVec2],
+        (samples, has_events): (&[Sample], bool),
+        elements: &[Element],
+        values: &[Rgb],
+    ) -> (Self, Classes) {
         let low = polygon_m.iter().copied().fold(DVec2::INFINITY, DVec2::min);
         let high = polygon_m.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
         let count = samples.len() as f64;
@@ -115,7 +153,7 @@ impl Evidence {
             fitted.map_or(Vec3::ZERO, |fitted| sample.light - fitted.as_vec3())
         };
         let residuals: Vec<Vec3> = samples.iter().map(residual).collect();
-        let classes = Classes::of(samples, &residuals);
+        let classes = Classes::of(samples, &residuals, has_events);
         // Count, sum, sum of what near geometry brings, and of its squares.
         let mut cells = vec![[0.0_f64; 4]; finest * finest];
         let radius_m = 0.5 * (high - low).length();
@@ -150,7 +188,7 @@ impl Evidence {
             sums = coarser(&sums, now);
             now /= 2;
         };
-        let free = (count - cells.filled - (classes.side * classes.side) as f64).max(MIN_FREE * count).max(1.0);
+        let free = (count - cells.filled - classes.values() as f64).max(MIN_FREE * count).max(1.0);
         let variance = ((squared - count * cells.squared) / free).max(0.0);
         let mean = samples.iter().map(|sample| f64::from(sample.light.element_sum())).sum::<f64>() / (3.0 * count);
         let evidence =
@@ -314,10 +352,10 @@ mod tests {
                     let noise = if Draws::new(key_of(i, 1)).next() < 0.5 { 2.0 } else { 0.0 };
                     let light = Vec3::splat(noise + wave * (9.0 * s).sin());
                     let direction = [u, v].map(|share| (share * 65_536.0) as u16);
-                    Sample { at_m: [s, t], light, nearness: 0.0, direction }
+                    Sample { at_m: [s, t], light, direction, ..Sample::default() }
                 })
                 .collect();
-            let (evidence, _) = Evidence::of(&square, &samples, &elements, &values);
+            let (evidence, _) = Evidence::of(&square, (&samples, false), &elements, &values);
             Pool::new([(1.0, &evidence)].into_iter(), 0.0).judge(&evidence)
         };
         let [right, wrong] = [0.0, 0.5].map(judged);

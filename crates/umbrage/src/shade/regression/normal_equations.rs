@@ -212,7 +212,7 @@ mod tests {
                         let at =
                             corners[0] + s * ((1.0 - t) * (corners[1] - corners[0]) + t * (corners[2] - corners[0]));
                         let light = Vec3::new(truth(at) as f32, 1.0, 0.0);
-                        Sample { at_m: at.as_vec2().to_array(), light, nearness: 0.0, direction: [0; 2] }
+                        Sample { at_m: at.as_vec2().to_array(), light, ..Sample::default() }
                     })
                     .collect();
                 all.extend(equations(&[element], &samples, |_| Rgb::ZERO));
