@@ -321,6 +321,18 @@ mod tests {
         assert!(mesh.leaves().count() < 4000 && mesh.leaves().all(|leaf| length_m(leaf)[0] != length_m(leaf)[1]));
     }
 
+    #[test]
+    fn a_shadow_edge_nearly_in_line_with_one_that_was_cut_is_cut_too() {
+        let mut mesh = square_with(&[]);
+        let rise_m = 0.6 * mesh.finest_of(first());
+        assert!(rise_m > 2.0 * mesh.least_edge_m, "else they are one line");
+        let (start, bend, end) = (DVec2::new(0.2, 0.5), DVec2::new(0.6, 0.5), DVec2::new(0.7, 0.5 + rise_m));
+        mesh = square_with(&[(start, bend, Degree::D0), (bend, end, Degree::D0)]);
+        mesh.remove_d0_hints();
+        let cuts = mesh.patches().filter(|(_, patch)| matches!(patch.cut, Some(Cut::EdgeHint(_)))).count();
+        assert_eq!(cuts, 2);
+    }
+
     proptest! {
         #[test]
         fn at_most_two_vertices_are_new_and_the_hint_is_used_up_but_for_its_snap(

@@ -138,7 +138,8 @@ impl Mesh {
             // Across a contact that is not cut, light would leak.
             let needed = degree == Degree::D0 && (is_contact || strength >= self.settings.least_jump);
             let hint = EdgeHint { d_segment, degree, strength, needed, ends_m };
-            let clipped = hint.clipped(&self.polygon_2d_m(root), self.finest_of(root));
+            let clipped =
+                hint.clipped(&self.polygon_2d_m(root), self.finest_of(root), self.satisfied_m(root, hint.degree));
             self.patches[root].edge_hints.extend(clipped);
         }
         self.patches.iter_mut().for_each(|patch| patch.edge_hints.sort_by(EdgeHint::by_priority));
@@ -300,6 +301,13 @@ impl Mesh {
         self.finest_m[self.patches[patch].face]
     }
 
+    /// A d-segment that is nowhere farther than this from the boundary is cut already, in metres. One of degree 0 only where it is
+    /// the same line: an edge of a round shadow of 1,000 lies nearer to the next one's line than the shortest edge is long, and a
+    /// vertex beyond the shadow takes the light of the other side into a triangle, however large that is.
+    fn satisfied_m(&self, patch: PatchId, degree: Degree) -> f64 {
+        if degree == Degree::D0 { self.least_edge_m } else { self.finest_of(patch) }
+    }
+
     /// Whether a patch is too narrow for light over it to be seen: narrower than the shortest edge that a split may make.
     pub fn is_finest(&self, patch: PatchId) -> bool {
         let corners = self.polygon_m(patch);
@@ -387,7 +395,8 @@ impl Mesh {
         for subpatch in subpatches {
             let corners = self.polygon_2d_m(subpatch);
             let finest_m = self.finest_of(subpatch);
-            let mut kept: Vec<EdgeHint> = hints.iter().filter_map(|hint| hint.clipped(&corners, finest_m)).collect();
+            let clipped = |hint: &EdgeHint| hint.clipped(&corners, finest_m, self.satisfied_m(subpatch, hint.degree));
+            let mut kept: Vec<EdgeHint> = hints.iter().filter_map(clipped).collect();
             kept.sort_by(EdgeHint::by_priority);
             self.patches[subpatch].edge_hints = kept;
         }

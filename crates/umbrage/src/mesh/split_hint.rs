@@ -43,12 +43,12 @@ impl EdgeHint {
     }
 
     /// The part inside the convex polygon `corners`; `None` where that is shorter than `least_m`, or runs along the
-    /// boundary, nowhere farther from it: then the boundary has satisfied it.
-    pub(super) fn clipped(&self, corners: &[DVec2], least_m: f64) -> Option<Self> {
+    /// boundary, nowhere farther from it than `along_m`: then the boundary has satisfied it.
+    pub(super) fn clipped(&self, corners: &[DVec2], least_m: f64, along_m: f64) -> Option<Self> {
         let [from, to] = self.ends_m;
         let (t0, t1) = clip::line_in_convex(from, to, corners, (0.0, 1.0))?;
         let part = Self { ends_m: [from.lerp(to, t0), from.lerp(to, t1)], ..*self };
-        (part.length_m() > least_m && !part.runs_along(corners, least_m)).then_some(part)
+        (part.length_m() > least_m && !part.runs_along(corners, along_m)).then_some(part)
     }
 
     /// Whether it runs along a side of a polygon, nowhere farther from it than `along_m`.
@@ -89,14 +89,14 @@ mod tests {
 
     #[test]
     fn a_hint_is_clipped_to_its_patch() {
-        let part = hint(Degree::D1, 1.0, 2.0).clipped(&square(), 1e-6).unwrap();
+        let part = hint(Degree::D1, 1.0, 2.0).clipped(&square(), 1e-6, 1e-6).unwrap();
         assert!((part.length_m() - 0.9).abs() < 1e-15);
     }
 
     #[test]
     fn a_hint_along_the_boundary_is_satisfied() {
         let along = EdgeHint { ends_m: [DVec2::new(0.2, 1e-7), DVec2::new(0.8, 1e-7)], ..hint(Degree::D1, 1.0, 1.0) };
-        assert!(along.clipped(&square(), 1e-6).is_none());
-        assert!(along.clipped(&square(), 1e-8).is_some_and(|along| along.runs_along(&square(), 1e-6)));
+        assert!(along.clipped(&square(), 1e-6, 1e-6).is_none());
+        assert!(along.clipped(&square(), 1e-8, 1e-8).is_some_and(|along| along.runs_along(&square(), 1e-6)));
     }
 }
