@@ -108,3 +108,60 @@ fn a_lamp_in_a_closed_room_lights_it_by_reflection_too() {
     println!("{}", arrives / (2.0 * flux));
     assert!((arrives / (2.0 * flux) - 1.0).abs() < 0.02, "{arrives} {flux}");
 }
+
+/// A black two-sided disc of radius 1 with `corners` at 1 m over a floor of 6 x 6 m, under a bulb at 2.5 m that is off its axis.
+fn disc_under_a_bulb(corners: u32) -> (Scene, DVec3) {
+    let bulb_m = DVec3::new(0.3, 0.2, 2.5);
+    let kind = LampKind::Point { position_m: bulb_m, intensity: Rgb::splat(10.0), range_m: None };
+    let mut scene = plate_under(kind);
+    let angle = |i: u32| std::f64::consts::TAU * f64::from(i) / f64::from(corners);
+    let rim = (0..corners).map(|i| DVec3::new(angle(i).cos(), angle(i).sin(), 1.0));
+    let surface = &mut scene.surfaces.raw[0];
+    surface.positions_m = square(DVec3::ZERO, 3.0).into_iter().chain(rim).collect();
+    surface.polygons = vec![(0..4).collect(), (4..4 + corners).collect()];
+    (scene, bulb_m)
+}
+
+/// Area of the floor, in square metres, that shows the light of the other side of the disc's shadow.
+fn area_on_the_wrong_side(bake: &Bake, corners: u32, bulb_m: DVec3) -> f64 {
+    let grows = bulb_m.z / (bulb_m.z - 1.0);
+    let middle = bulb_m + grows * (DVec3::Z - bulb_m);
+    let step = std::f64::consts::TAU / f64::from(corners);
+    let is_dark = |p: DVec3| {
+        let from_middle = p - middle;
+        let around = from_middle.y.atan2(from_middle.x).rem_euclid(step) - 0.5 * step;
+        from_middle.length() * around.cos() < grows * (0.5 * step).cos()
+    };
+    let wrong = |triangle: &common::Lit| {
+        // Ten by ten points of a parallelogram, folded into the triangle: none lies on a side.
+        let [a, b, c] = triangle.corners;
+        let [p, q, r] = triangle.irradiance.map(|e| e.x);
+        let at = |i: u32, j: u32| {
+            let (u, v) = ((f64::from(i) + 0.3) / 10.0, (f64::from(j) + 0.4) / 10.0);
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            (a + u * (b - a) + v * (c - a), p + u * (q - p) + v * (r - p))
+        };
+        let is_wrong = |&(i, j): &(u32, u32)| {
+            let (point, shown) = at(i, j);
+            let clear = 10.0 * bulb_m.z / (point - bulb_m).length().powi(3);
+            (shown - if is_dark(point) { 0.0 } else { clear }).abs() > 0.3 * clear
+        };
+        let points = (0..10).flat_map(|i| (0..10).map(move |j| (i, j)));
+        triangle.area() * points.filter(is_wrong).count() as f64 / 100.0
+    };
+    let triangles = lit_triangles(&bake.mesh);
+    triangles.iter().filter(|t| t.corners.iter().all(|p| p.z == 0.0) && t.normal().z > 0.5).map(wrong).sum()
+}
+
+#[test]
+fn the_rim_of_a_round_shadow_is_as_sharp_as_that_of_a_square_one() {
+    for corners in [192, 450, 700] {
+        let (scene, bulb_m) = disc_under_a_bulb(corners);
+        let bake = baked(&scene);
+        let wrong_m2 = area_on_the_wrong_side(&bake, corners, bulb_m);
+        println!("{corners} corners: {wrong_m2:.1e} m2 of 36 are wrong, {} triangles", bake.report.triangles);
+        // A strip of the mesh's shortest edge, 1.2e-4 m, along the rim of 10.5 m would be 1.3e-3 m2.
+        assert!(wrong_m2 < 2e-4, "{wrong_m2} m2 at {corners} corners");
+        assert!(bake.report.triangles < 12 * corners as usize, "{}", bake.report.triangles);
+    }
+}

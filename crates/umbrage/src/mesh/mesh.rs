@@ -296,8 +296,8 @@ impl Mesh {
         self.patches[patch].edge_hints.first().is_some_and(|hint| hint.needed)
     }
 
-    /// No split makes an edge of a patch shorter than this, in metres.
-    pub(super) fn finest_of(&self, patch: PatchId) -> f64 {
+    /// No split makes an edge of a patch shorter than this, in metres; nor is a cut of degree 0 farther from its d-segment.
+    pub fn finest_of(&self, patch: PatchId) -> f64 {
         self.finest_m[self.patches[patch].face]
     }
 

@@ -61,7 +61,12 @@ pub(super) fn assemble(
             }
             let flat = || ReceiverPoint::on_flat_face(prepared, group.face, group.at_m);
             let point = if prepared.is_smooth(group.face) { place.point } else { flat() };
-            Ok(irradiance.at(mesh, &point, patch))
+            if !mesh.is_jump_vertex(group.vertex) {
+                return Ok(irradiance.at(mesh, &point, patch));
+            }
+            let largest = &triangles[group.largest_triangle];
+            let corners_m = largest.vertices.map(|vertex| mesh.vertex_m(vertex));
+            Ok(irradiance.at(mesh, &places.beside_jump(mesh, largest.patch, point, &corners_m), patch))
         })
         .collect::<Result<Vec<Rgb>, Cancelled>>()?;
     let lit = triangles.iter().zip(group_of);

@@ -151,7 +151,7 @@ impl BouncedLight {
             let patch = mesh.patch(leaf);
             let frame = mesh.frame(patch.face);
             let corner = |vertex| {
-                let spot = Spot::Corner(places.vertex(mesh, leaf, vertex).key);
+                let spot = Spot::Corner(places.vertex_key(mesh, leaf, vertex));
                 let offset_m = frame.to_2d(mesh.vertex_m(vertex)) - frame.to_2d(patch.centroid_m);
                 Some((offset_m, *self.numbers.get(&spot)?))
             };

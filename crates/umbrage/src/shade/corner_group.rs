@@ -40,6 +40,8 @@ pub(super) struct CornerGroup {
     pub(super) face: FaceId,
     /// The first of its triangles.
     pub(super) first_triangle: usize,
+    /// The largest of them: what is far from its border is on the side of a jump that the corners are on.
+    pub(super) largest_triangle: usize,
     /// Where to evaluate the irradiance: inside the corners, and at the vertex itself only where they surround it.
     pub(super) at_m: DVec3,
 }
@@ -151,13 +153,18 @@ fn group(prepared: &Prepared, mesh: &Mesh, triangles: &[Triangle], corners: &[us
     let at_m = mesh.vertex_m(vertex);
     let mut bisector = DVec3::ZERO;
     let mut reach_m = INSIDE_OF_EXTENT * prepared.tolerance.extent_m;
+    let (mut largest_triangle, mut largest_m2) = (corners[0] / 3, 0.0);
     for &corner in corners {
         let [at, next, previous] = corner_points(mesh, triangles, corner);
         let direction = ((next - at).normalize_or_zero() + (previous - at).normalize_or_zero()).normalize_or_zero();
         bisector += direction * (next - at).angle_between(previous - at);
-        let height_m = (next - at).cross(previous - at).length() / next.distance(previous).max(f64::MIN_POSITIVE);
+        let doubled_m2 = (next - at).cross(previous - at).length();
+        if doubled_m2 > largest_m2 {
+            (largest_triangle, largest_m2) = (corner / 3, doubled_m2);
+        }
+        let height_m = doubled_m2 / next.distance(previous).max(f64::MIN_POSITIVE);
         reach_m = reach_m.min(INSIDE * height_m);
     }
     let inside_m = if surrounded { at_m } else { at_m + reach_m * bisector.normalize_or_zero() };
-    CornerGroup { vertex, face: first.face, first_triangle: corners[0] / 3, at_m: inside_m }
+    CornerGroup { vertex, face: first.face, first_triangle: corners[0] / 3, largest_triangle, at_m: inside_m }
 }

@@ -67,8 +67,8 @@ impl Outlined {
     ) -> impl Iterator<Item = ([VertexId; 3], [MeshPoint; 6])> + 'a {
         self.triangles.iter().map(|&triangle| {
             let corners = triangle.map(|k| self.boundary[k].vertex);
-            let [a, b, c] = corners.map(|corner| places.vertex(mesh, self.patch, corner).key);
-            let [d, e, f] = [0, 1, 2].map(|i| self.middle(mesh, places, triangle, i).key);
+            let [a, b, c] = corners.map(|corner| places.vertex_key(mesh, self.patch, corner));
+            let [d, e, f] = [0, 1, 2].map(|i| self.middle_key(mesh, places, triangle, i));
             (corners, [a, b, c, d, e, f])
         })
     }
@@ -84,6 +84,11 @@ impl Outlined {
     /// The middle of the side of a triangle after its corner `i`.
     fn middle(&self, mesh: &Mesh, places: &Places<'_>, triangle: [usize; 3], i: usize) -> Request {
         places.middle(mesh, self.patch, [triangle[i], triangle[(i + 1) % 3]].map(|k| &self.boundary[k]))
+    }
+
+    /// Its name.
+    fn middle_key(&self, mesh: &Mesh, places: &Places<'_>, triangle: [usize; 3], i: usize) -> MeshPoint {
+        places.middle_key(mesh, self.patch, [triangle[i], triangle[(i + 1) % 3]].map(|k| &self.boundary[k]))
     }
 
     /// The elements, once the values that they need are known: those that were there `before`, and others.
@@ -102,11 +107,11 @@ impl Outlined {
                 return Some(*known);
             }
             let [a, b, c] = triangle.map(|k| mesh.vertex_m(self.boundary[k].vertex));
-            let number = |k: usize| values.number(&places.vertex(mesh, self.patch, self.boundary[k].vertex).key);
+            let number = |k: usize| values.number(&places.vertex_key(mesh, self.patch, self.boundary[k].vertex));
             let corners = [number(triangle[0])?, number(triangle[1])?, number(triangle[2])?];
             let at = corners.map(|corner| values.as_slice()[corner as usize]);
             let bulge = |i: usize| {
-                let middle = values.get(&self.middle(mesh, places, triangle, i).key)?;
+                let middle = values.get(&self.middle_key(mesh, places, triangle, i))?;
                 Some(middle - 0.5 * (at[i] + at[(i + 1) % 3]))
             };
             let bulges = [bulge(0)?, bulge(1)?, bulge(2)?];

@@ -14,6 +14,7 @@ use rustc_hash::FxHashMap;
 
 use super::joints::Joints;
 use crate::discontinuity::is_contact;
+use crate::geometry::polygon;
 use crate::id::{EdgeId, FaceId, PatchId, PlaneId, Table, VertexId};
 use crate::mesh::{BoundaryPoint, Mesh};
 use crate::prepare::{Facing, Prepared};
@@ -26,6 +27,9 @@ use crate::visibility::ReceiverPoint;
 const INSIDE: f64 = 1e-3;
 /// And at most this share of the extent: then the limit is good to about as much.
 const INSIDE_OF_EXTENT: f64 = 1e-5;
+/// Cuts along jumps lie within one shortest edge of the mesh of where light jumps: what is farther from all sides of a patch by this
+/// factor is on the patch's side.
+const JUMPS_WITHIN_FINEST: f64 = 1.5;
 /// Points evaluated between two reports of progress.
 const POINTS_A_REPORT: usize = 16;
 
@@ -166,42 +170,87 @@ impl<'a> Places<'a> {
 
     /// The receiver point of `patch` next to `at_m`, which lies on its boundary.
     pub(super) fn inside(&self, mesh: &Mesh, patch: PatchId, at_m: DVec3) -> ReceiverPoint {
-        let face = mesh.patch(patch).face;
         let inward = mesh.patch(patch).centroid_m - at_m;
         let most_m = INSIDE_OF_EXTENT * self.prepared.tolerance.extent_m;
         let step_m = (INSIDE * inward.length()).min(most_m);
-        let position_m = at_m + step_m * inward.normalize_or_zero();
+        self.receiver(mesh.patch(patch).face, at_m + step_m * inward.normalize_or_zero())
+    }
+
+    fn receiver(&self, face: FaceId, position_m: DVec3) -> ReceiverPoint {
         if self.prepared.is_smooth(face) {
             return ReceiverPoint::on_face(self.prepared, face, position_m);
         }
         ReceiverPoint::on_flat_face(self.prepared, face, position_m)
     }
 
-    /// The value at a boundary point of a patch.
-    pub(super) fn vertex(&self, mesh: &Mesh, patch: PatchId, vertex: VertexId) -> Request {
+    /// A receiver point that belongs to the side of a jump that the convex polygon `corners_m` of a face lies on.
+    pub(super) fn beside_jump(
+        &self,
+        mesh: &Mesh,
+        patch: PatchId,
+        point: ReceiverPoint,
+        corners_m: &[DVec3],
+    ) -> ReceiverPoint {
+        let centroid_m = polygon::centroid(corners_m);
+        let clear_m = clear_m(corners_m, centroid_m);
+        // From a point of the polygon to the centroid the distance to all sides grows at least in proportion.
+        let share = (JUMPS_WITHIN_FINEST * mesh.finest_of(patch) / clear_m.max(f64::MIN_POSITIVE)).min(1.0);
+        let inside = self.receiver(mesh.patch(patch).face, point.position_m.lerp(centroid_m, share));
+        point.beside_jump(&inside)
+    }
+
+    /// The name of the value at a boundary point of a patch.
+    pub(super) fn vertex_key(&self, mesh: &Mesh, patch: PatchId, vertex: VertexId) -> MeshPoint {
         let surface = |face| match mesh.split_root(vertex) {
             Some(root) => self.surface_at(root, face),
             None => self.joints.at_vertex(vertex, face),
         };
         let side = self.side(mesh, patch, self.on_contact(mesh, vertex), surface);
-        let point = self.inside(mesh, patch, mesh.vertex_m(vertex));
-        let vertices = sorted(mesh.halved_by(vertex).unwrap_or([vertex; 2]));
-        Request { key: MeshPoint { vertices, side }, point, patch }
+        MeshPoint { vertices: sorted(mesh.halved_by(vertex).unwrap_or([vertex; 2])), side }
     }
 
-    /// The value in the middle between two boundary points of a patch.
-    pub(super) fn middle(&self, mesh: &Mesh, patch: PatchId, ends: [&BoundaryPoint; 2]) -> Request {
+    /// The value at a boundary point of a patch.
+    pub(super) fn vertex(&self, mesh: &Mesh, patch: PatchId, vertex: VertexId) -> Request {
+        let key = self.vertex_key(mesh, patch, vertex);
+        let at_m = mesh.vertex_m(vertex);
+        let point = if mesh.is_jump_vertex(vertex) {
+            self.beside_jump(mesh, patch, self.inside(mesh, patch, at_m), &mesh.polygon_m(patch))
+        } else {
+            self.inside(mesh, patch, at_m)
+        };
+        Request { key, point, patch }
+    }
+
+    /// The name of the value in the middle between two boundary points of a patch.
+    pub(super) fn middle_key(&self, mesh: &Mesh, patch: PatchId, ends: [&BoundaryPoint; 2]) -> MeshPoint {
         let vertices = sorted(ends.map(|end| end.vertex));
+        let along = ends.iter().map(|end| end.leaf.edge).find(|&edge| sorted(mesh.edges().ends(edge)) == vertices);
+        let surface = |face| along.map_or(face, |edge| self.surface_at(mesh.edges().root(edge), face));
         let jumps = ends.iter().any(|end| {
             let root = mesh.edges().root(end.leaf.edge);
             mesh.is_jump(root) || self.contact_edges.get(root.index()).copied().unwrap_or(false)
         });
-        let along = ends.iter().map(|end| end.leaf.edge).find(|&edge| sorted(mesh.edges().ends(edge)) == vertices);
-        let surface = |face| along.map_or(face, |edge| self.surface_at(mesh.edges().root(edge), face));
-        let side = self.side(mesh, patch, jumps, surface);
-        let at_m = mesh.vertex_m(vertices[0]).midpoint(mesh.vertex_m(vertices[1]));
-        Request { key: MeshPoint { vertices, side }, point: self.inside(mesh, patch, at_m), patch }
+        MeshPoint { vertices, side: self.side(mesh, patch, jumps, surface) }
     }
+
+    /// The value in the middle between two boundary points of a patch.
+    pub(super) fn middle(&self, mesh: &Mesh, patch: PatchId, ends: [&BoundaryPoint; 2]) -> Request {
+        let key = self.middle_key(mesh, patch, ends);
+        let at_m = mesh.vertex_m(key.vertices[0]).midpoint(mesh.vertex_m(key.vertices[1]));
+        let point = self.inside(mesh, patch, at_m);
+        let is_jump = ends.iter().any(|end| mesh.is_jump(mesh.edges().root(end.leaf.edge)));
+        let point = if is_jump { self.beside_jump(mesh, patch, point, &mesh.polygon_m(patch)) } else { point };
+        Request { key, point, patch }
+    }
+}
+
+/// Distance of a point inside a convex polygon from its nearest side, in metres.
+fn clear_m(corners_m: &[DVec3], point_m: DVec3) -> f64 {
+    let side = |(i, &from_m): (usize, &DVec3)| {
+        let along = corners_m[(i + 1) % corners_m.len()] - from_m;
+        along.cross(point_m - from_m).length() / along.length().max(f64::MIN_POSITIVE)
+    };
+    corners_m.iter().enumerate().map(side).fold(f64::INFINITY, f64::min)
 }
 
 fn sorted(mut vertices: [VertexId; 2]) -> [VertexId; 2] {

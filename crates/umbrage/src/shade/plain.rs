@@ -104,7 +104,7 @@ pub(super) fn plain_faces(
     let face = |&(leaf, in_middle): &(PatchId, Rgb)| {
         let (mut corners, mut is_constant) = (Vec::new(), true);
         for vertex in mesh.corners(leaf) {
-            let key = places.vertex(mesh, leaf, vertex).key;
+            let key = places.vertex_key(mesh, leaf, vertex);
             let known = values.get(&key);
             is_constant &= known.is_none();
             let mean = || around.get(&key).map(|(sum, count)| *sum / *count);

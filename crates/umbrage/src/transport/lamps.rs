@@ -86,8 +86,11 @@ impl Lamps {
         receiver: &ReceiverPoint,
         known: Option<bool>,
     ) -> Option<Rgb> {
-        let (light, to_m) = self.unoccluded_and_end(id, receiver)?;
-        known.unwrap_or_else(|| visibility.stopper(receiver, to_m, None, None).is_none()).then_some(light)
+        let looking = receiver.looking_for_lamps();
+        let (light, to_m) = self.unoccluded_and_end(id, &looking)?;
+        let is_seen = known.unwrap_or_else(|| visibility.stopper(&looking, to_m, None, None).is_none());
+        let light_here = || receiver.beside_jump.and_then(|_| self.unoccluded_and_end(id, receiver));
+        is_seen.then(|| light_here().map_or(light, |(light, _)| light))
     }
 
     /// Irradiance that one lamp brings to a point if nothing stands between, in W/m2, and where a ray to it ends, in metres; `None`

@@ -45,6 +45,19 @@ pub struct ReceiverPoint {
     pub face: Option<FaceId>,
     /// From where the faces around it are seen, on a smooth surface; there they may shade it.
     pub near: Option<NearView>,
+    /// From where lamps are looked for, if not from here.
+    pub beside_jump: Option<BesideJump>,
+}
+
+/// A point at the edge of a hard shadow has the light of one side. A cut may lie beside the true edge, by up to the length of the
+/// shortest edge of the mesh, and so may a point that belongs to one side of the cut. So whether a lamp is seen is asked for farther
+/// inside of that side; how much light it brings, at the point itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BesideJump {
+    /// A point on the same side that no cut's displacement reaches, in metres.
+    pub position_m: DVec3,
+    /// From where the faces around it are seen, on a smooth surface.
+    pub near: Option<NearView>,
 }
 
 /// From where a point of a smooth surface sees the faces around it.
@@ -79,6 +92,21 @@ impl ReceiverPoint {
 
     /// A point of a plane that is what it looks like.
     pub fn on_plane(position_m: DVec3, normal: DVec3, plane: PlaneId) -> Self {
-        Self { position_m, normal, plane, face: None, near: None }
+        Self { position_m, normal, plane, face: None, near: None, beside_jump: None }
+    }
+
+    /// The same point, which looks for lamps from `inside`, a point of the same side of a jump.
+    pub fn beside_jump(self, inside: &Self) -> Self {
+        Self { beside_jump: Some(BesideJump { position_m: inside.position_m, near: inside.near }), ..self }
+    }
+
+    /// The point that tells which lamps this one sees.
+    pub fn looking_for_lamps(&self) -> Self {
+        self.beside_jump.map_or(*self, |BesideJump { position_m, near }| Self {
+            position_m,
+            near,
+            beside_jump: None,
+            ..*self
+        })
     }
 }
