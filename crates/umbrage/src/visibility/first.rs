@@ -79,7 +79,7 @@ impl Visibility {
         passes: impl Fn(FaceId) -> bool,
         mut first: Option<Met>,
     ) -> Option<Met> {
-        let tree = self.tree();
+        let tree = self.ray_tree();
         let slabs = Slabs::new(from.0, to_m);
         let enters = |node: u32| {
             let aabb = tree.nodes[node as usize].aabb();
@@ -97,7 +97,7 @@ impl Visibility {
             if node.is_leaf() {
                 let range = node.first_index as usize..(node.first_index + node.prim_count) as usize;
                 for &primitive in &tree.primitive_indices[range] {
-                    let face = FaceId::from(primitive as usize);
+                    let face = self.face_met(primitive);
                     let [min_m, max_m] = self.bounds_m(face);
                     if !passes(face) && slabs.meet(min_m, max_m) {
                         self.meet(face, from, to_m, &mut first);

@@ -19,6 +19,7 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
 use super::around::Around;
+use super::slim::SlimTree;
 use crate::geometry::{Plane, Tolerance};
 use crate::id::{FaceId, PlaneId, Table};
 use crate::prepare::Prepared;
@@ -50,7 +51,7 @@ impl Boundable for IndexedFace {
 
 /// A corner of a box in `f32`, moved outward where rounding moved it inward (or nowhere: one step too many is
 /// harmless).
-fn rounded(p: DVec3, outward: fn(f32) -> f32) -> Vec3A {
+pub(super) fn rounded(p: DVec3, outward: fn(f32) -> f32) -> Vec3A {
     let step = |x: f64| if f64::from(x as f32) == x { x as f32 } else { outward(x as f32) };
     Vec3A::new(step(p.x), step(p.y), step(p.z))
 }
@@ -59,6 +60,8 @@ fn rounded(p: DVec3, outward: fn(f32) -> f32) -> Vec3A {
 #[derive(Clone)]
 pub struct Visibility {
     tree: Bvh2,
+    /// Where faces are slim, another tree for rays.
+    slim: Option<SlimTree>,
     faces: Table<FaceId, IndexedFace>,
     /// Their boxes in `f32`, rounded outward: four of them lie where one of the others does.
     boxes: Table<FaceId, Aabb>,
@@ -79,9 +82,12 @@ impl fmt::Debug for Visibility {
 impl Visibility {
     /// Builds the index of all faces.
     pub fn new(prepared: &Prepared) -> Self {
-        Self::with_tree(prepared, |faces| {
+        let index = Self::with_tree(prepared, |faces| {
             build_bvh2(faces, obvhs::BvhBuildParams::medium_build(), &mut Default::default())
-        })
+        });
+        let faces: Vec<FaceId> = prepared.faces.keys().collect();
+        let slim = SlimTree::new(faces.par_iter().map(|&face| index.boundary_m(face)), faces.len());
+        Self { slim, ..index }
     }
 
     /// An index without a tree, whose queries look at every face: the same answers, slowly. It is what benchmarks
@@ -117,7 +123,7 @@ impl Visibility {
         let tree = if faces.is_empty() { Bvh2::default() } else { build(faces.raw.as_slice()) };
         let boxes = faces.iter().map(Boundable::aabb).collect();
         let (around, covering) = (Around::new(prepared), Table::new());
-        let index = Self { tree, faces, boxes, corners_m, around, covering, tolerance: prepared.tolerance };
+        let index = Self { tree, slim: None, faces, boxes, corners_m, around, covering, tolerance: prepared.tolerance };
         let covering: Vec<_> =
             (0..prepared.faces.len()).into_par_iter().map(|own| index.lying_over(own.into())).collect();
         Self { covering: covering.into(), ..index }
@@ -131,6 +137,16 @@ impl Visibility {
     /// The faces that may cover points of a face ([`super::pair`]); hardly any face has one.
     pub(super) fn covering(&self, own: FaceId) -> &[FaceId] {
         &self.covering[own]
+    }
+
+    /// The tree of boxes that rays walk: they may meet a face more than once.
+    pub(super) fn ray_tree(&self) -> &Bvh2 {
+        self.slim.as_ref().map_or(&self.tree, SlimTree::tree)
+    }
+
+    /// The face of a primitive of that tree.
+    pub(super) fn face_met(&self, primitive: u32) -> FaceId {
+        self.slim.as_ref().map_or(FaceId::from(primitive as usize), |slim| slim.face(primitive))
     }
 
     /// The tree of boxes.
@@ -203,7 +219,9 @@ impl Visibility {
             let bounds = &self.faces[face];
             if meets(bounds.min_m, bounds.max_m) { visit(face) } else { ControlFlow::Continue(()) }
         };
-        let Some(faces) = among else { return self.walk_nodes(may_meet, visit_met) };
+        let Some(faces) = among else {
+            return walk_nodes(&self.tree, may_meet, |primitive| visit_met(FaceId::from(primitive as usize)));
+        };
         for &face in faces {
             if may_meet(&self.boxes[face]) && visit_met(face).is_break() {
                 return;
@@ -211,28 +229,42 @@ impl Visibility {
         }
     }
 
-    /// Visits the faces in the nodes that pass.
-    fn walk_nodes(&self, may_meet: impl Fn(&Aabb) -> bool, mut visit: impl FnMut(FaceId) -> ControlFlow<()>) {
-        let mut stack: smallvec::SmallVec<[u32; 64]> = smallvec::SmallVec::new();
-        if !self.tree.nodes.is_empty() {
-            stack.push(0);
+    /// The same along a ray, which may visit a face more than once.
+    pub(super) fn walk_ray(
+        &self,
+        among: Option<&[FaceId]>,
+        may_meet: impl Fn(&Aabb) -> bool,
+        meets: impl Fn(DVec3, DVec3) -> bool,
+        mut visit: impl FnMut(FaceId) -> ControlFlow<()>,
+    ) {
+        let Some(slim) = self.slim.as_ref().filter(|_| among.is_none()) else {
+            return self.walk_among(among, may_meet, meets, visit);
+        };
+        walk_nodes(slim.tree(), may_meet, |primitive| visit(slim.face(primitive)));
+    }
+}
+
+/// Visits the primitives in the nodes that pass.
+fn walk_nodes(tree: &Bvh2, may_meet: impl Fn(&Aabb) -> bool, mut visit: impl FnMut(u32) -> ControlFlow<()>) {
+    let mut stack: smallvec::SmallVec<[u32; 64]> = smallvec::SmallVec::new();
+    if !tree.nodes.is_empty() {
+        stack.push(0);
+    }
+    while let Some(index) = stack.pop() {
+        let node = &tree.nodes[index as usize];
+        if !may_meet(node.aabb()) {
+            continue;
         }
-        while let Some(index) = stack.pop() {
-            let node = &self.tree.nodes[index as usize];
-            if !may_meet(node.aabb()) {
-                continue;
-            }
-            let first = node.first_index;
-            if !node.is_leaf() {
-                stack.push(first + 1);
-                stack.push(first);
-                continue;
-            }
-            let range = first as usize..(first + node.prim_count) as usize;
-            for &primitive in &self.tree.primitive_indices[range] {
-                if visit(FaceId::from(primitive as usize)).is_break() {
-                    return;
-                }
+        let first = node.first_index;
+        if !node.is_leaf() {
+            stack.push(first + 1);
+            stack.push(first);
+            continue;
+        }
+        let range = first as usize..(first + node.prim_count) as usize;
+        for &primitive in &tree.primitive_indices[range] {
+            if visit(primitive).is_break() {
+                return;
             }
         }
     }

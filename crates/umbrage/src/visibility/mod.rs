@@ -21,6 +21,7 @@ mod receiver;
 mod screen;
 mod shadow;
 mod shaft;
+mod slim;
 mod view;
 mod wedge;
 

@@ -9,6 +9,7 @@
 use std::ops::ControlFlow;
 
 use glam::{DVec3, Vec3A};
+use obvhs::aabb::Aabb;
 
 use super::Visibility;
 use super::pair::Placed;
@@ -52,14 +53,16 @@ impl Visibility {
             hit = Some(face);
             ControlFlow::Break(())
         };
-        self.walk_along(&Slabs::new(from.0, to_m), among, visit);
+        let slabs = Slabs::new(from.0, to_m);
+        let may_meet = |aabb: &Aabb| slabs.may_meet(aabb.min, aabb.max);
+        self.walk_ray(among, may_meet, |min_m, max_m| slabs.meet(min_m, max_m), visit);
         hit
     }
 
     /// The faces that cross the open segment between two points, but for those in the plane `passing`.
     pub fn crossed(&self, from_m: DVec3, to_m: DVec3, passing: PlaneId) -> Vec<FaceId> {
         let mut crossed = Vec::new();
-        self.walk_along(&Slabs::new(from_m, to_m), None, |face| {
+        self.walk_along(&Slabs::new(from_m, to_m), |face| {
             if self.plane(face) != passing && self.is_crossed(face, (from_m, None), to_m) {
                 crossed.push(face);
             }
@@ -111,10 +114,10 @@ impl Visibility {
         None
     }
 
-    /// Visits the faces, of some or of all, whose boxes a segment meets.
-    fn walk_along(&self, slabs: &Slabs, among: Option<&[FaceId]>, visit: impl FnMut(FaceId) -> ControlFlow<()>) {
+    /// Visits the faces whose boxes a segment meets.
+    fn walk_along(&self, slabs: &Slabs, visit: impl FnMut(FaceId) -> ControlFlow<()>) {
         self.walk_among(
-            among,
+            None,
             |aabb| slabs.may_meet(aabb.min, aabb.max),
             |min_m, max_m| slabs.meet(min_m, max_m),
             visit,
