@@ -160,8 +160,8 @@ fn the_rim_of_a_round_shadow_is_as_sharp_as_that_of_a_square_one() {
         let bake = baked(&scene);
         let wrong_m2 = area_on_the_wrong_side(&bake, corners, bulb_m);
         println!("{corners} corners: {wrong_m2:.1e} m2 of 36 are wrong, {} triangles", bake.report.triangles);
-        // A strip of the mesh's shortest edge, 1.2e-4 m, along the rim of 10.5 m would be 1.3e-3 m2.
-        assert!(wrong_m2 < 2e-4, "{wrong_m2} m2 at {corners} corners");
+        // Edges are straightened by up to 0.4 of the mesh's shortest edge, 1.7e-4 m: along the rim of 10.5 m, 7e-4 m2 at most.
+        assert!(wrong_m2 < 7e-4, "{wrong_m2} m2 at {corners} corners");
         assert!(bake.report.triangles < 12 * corners as usize, "{}", bake.report.triangles);
     }
 }

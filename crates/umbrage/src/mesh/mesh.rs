@@ -9,6 +9,7 @@ use std::collections::BTreeSet;
 use glam::{DVec2, DVec3};
 use smallvec::SmallVec;
 
+use super::chain::{LampHint, straightened};
 use super::count::beside_chord;
 use super::patch::{BoundaryPoint, Cut, Patch};
 use super::{EdgeHint, EdgeTrees, SplitScore};
@@ -22,6 +23,10 @@ use crate::prepare::{DirectedEdge, Prepared, Side};
 const FINEST_OF_SCENE: f64 = 1e-5;
 /// Nor shorter than this share of the face, so that no light, however it jumps, makes more than so many triangles along a line.
 const FINEST_OF_FACE: f64 = 2e-5;
+
+/// Edges of hard shadows are straightened where no corner is moved by more than this share of the shortest edge: with what cuts may be
+/// moved besides, light at jumps is asked for far enough inside (`shade/field.rs`).
+const STRAIGHT_OF_FINEST: f64 = 0.4;
 
 /// How patches are split.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,6 +134,12 @@ impl Mesh {
 
     /// Stores each d-segment as an edge split-hint of its face's patch.
     fn store_hints(&mut self, d_segments: &Table<DSegmentId, DSegment>) {
+        let mut of_lamps: Table<FaceId, Vec<LampHint>> = vec![Vec::new(); self.frames.len()].into();
+        let store = |mesh: &mut Self, root: PatchId, hint: EdgeHint| {
+            let satisfied_m = mesh.satisfied_m(root, hint.degree);
+            let clipped = hint.clipped(&mesh.polygon_2d_m(root), mesh.finest_of(root), satisfied_m);
+            mesh.patches[root].edge_hints.extend(clipped);
+        };
         for (d_segment, segment) in d_segments.iter_enumerated() {
             let root = self.root(segment.face);
             let frame = self.frames[segment.face];
@@ -138,9 +149,16 @@ impl Mesh {
             // Across a contact that is not cut, light would leak.
             let needed = degree == Degree::D0 && (is_contact || strength >= self.settings.least_jump);
             let hint = EdgeHint { d_segment, degree, strength, needed, ends_m };
-            let clipped =
-                hint.clipped(&self.polygon_2d_m(root), self.finest_of(root), self.satisfied_m(root, hint.degree));
-            self.patches[root].edge_hints.extend(clipped);
+            match segment.event {
+                Event::LampEdge { lamp, .. } | Event::LampCurve { lamp, .. } if degree == Degree::D0 => {
+                    of_lamps[segment.face].push((hint, lamp));
+                }
+                _ => store(self, root, hint),
+            }
+        }
+        for (face, hints) in of_lamps.iter_enumerated() {
+            let within_m = STRAIGHT_OF_FINEST * self.finest_m[face];
+            straightened(hints, within_m).into_iter().for_each(|hint| store(self, self.root(face), hint));
         }
         self.patches.iter_mut().for_each(|patch| patch.edge_hints.sort_by(EdgeHint::by_priority));
     }

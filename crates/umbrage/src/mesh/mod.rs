@@ -1,6 +1,7 @@
 //! Patches, their edges and split-hints: the hierarchy that is cut but never gets a T-vertex (paper, sections 3 to 5).
 
 mod bad_shape;
+mod chain;
 mod count;
 mod edge_split;
 mod edge_tree;
