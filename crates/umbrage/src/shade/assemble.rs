@@ -11,6 +11,7 @@ use super::corner_group;
 use super::field::{Field, Places, Values};
 use super::flat::{self, Limit, LitTriangle};
 use super::rim;
+use super::straight_joint;
 use super::{BakedMesh, BakedPart};
 use crate::id::{FaceId, SurfaceId, Table, VertexId};
 use crate::mesh::Mesh;
@@ -74,7 +75,10 @@ pub(super) fn assemble(
         lit.map(|(t, values)| LitTriangle { face: t.face, vertices: t.vertices, values }).collect();
     let is_written = |face: FaceId| scene.surfaces[prepared.faces[face].surface].baked;
     let limit = Limit { most: most_triangles, is_written: &is_written };
-    let flat = flat::take_out(&mut lit, &mut values, |v| mesh.vertex_m(v), prepared.tolerance.weld_m(), &limit);
+    let side = |face: FaceId| (prepared.faces[face].plane, prepared.faces[face].facing);
+    let joined = straight_joint::join(&mut lit, |v| mesh.vertex_m(v), side, prepared.tolerance.weld_m());
+    let flat =
+        joined + flat::take_out(&mut lit, &mut values, |v| mesh.vertex_m(v), prepared.tolerance.weld_m(), &limit);
     let mut strips = rim::strips(prepared, mesh, &lit, &values);
     if lit.iter().chain(&strips.triangles).filter(|triangle| is_written(triangle.face)).count() <= most_triangles {
         lit.append(&mut strips.triangles);

@@ -60,13 +60,13 @@ pub(super) struct LitTriangle {
 
 impl LitTriangle {
     /// The ends of the side after corner `i`, the lesser first.
-    fn side(&self, i: usize) -> [VertexId; 2] {
+    pub(super) fn side(&self, i: usize) -> [VertexId; 2] {
         let [a, b] = [self.vertices[i], self.vertices[(i + 1) % 3]];
         [a.min(b), a.max(b)]
     }
 
     /// The number of the value at a vertex.
-    fn value_at(&self, vertex: VertexId) -> Option<usize> {
+    pub(super) fn value_at(&self, vertex: VertexId) -> Option<usize> {
         self.vertices.iter().position(|&v| v == vertex).map(|i| self.values[i])
     }
 }

@@ -26,6 +26,7 @@ mod regression;
 mod rim;
 #[expect(clippy::module_inception, reason = "the module's main function is named like the module")]
 mod shade;
+mod straight_joint;
 
 pub use baked_mesh::{BakedMesh, BakedMeshError, BakedPart};
 pub use bounce::{Bouncing, Room, bounce};
