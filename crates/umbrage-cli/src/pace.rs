@@ -1,6 +1,6 @@
 //! How far a stage is and how long it will take, for whoever waits without a terminal: a line every ten seconds.
 //!
-//! A stage that tells its total is taken to go on as it went so far. One that does not is told with what is done of it.
+//! A stage is taken to go on as it went so far. What tells no total tells nothing new; a share never falls.
 //!
 //! Holds: no line comes sooner than [`EVERY`] after the one before, nor before so much time has passed at all.
 
@@ -18,13 +18,17 @@ pub(crate) struct Pace {
     told: Duration,
     begin: Duration,
     stage: String,
+    share: f64,
 }
 
 impl Pace {
     /// The line to tell at a time since the beginning, if one is due.
     pub(crate) fn line(&mut self, now: Duration, stage: &str, done: u64, total: u64) -> Option<String> {
         if self.stage != stage {
-            (self.stage, self.begin) = (stage.to_owned(), now);
+            (self.stage, self.begin, self.share) = (stage.to_owned(), now, 0.0);
+        }
+        if total > 0 {
+            self.share = self.share.max(done as f64 / total as f64).min(1.0);
         }
         if now.saturating_sub(self.told) < EVERY {
             return None;
@@ -33,8 +37,7 @@ impl Pace {
         let mut line = format!("{stage}: ");
         let took_s = now.saturating_sub(self.begin).as_secs_f64();
         // Writing to a string cannot fail.
-        let _ = match done as f64 / total as f64 {
-            _ if total == 0 => write!(line, "{done} done"),
+        let _ = match self.share {
             share if share < LEAST_SHARE => write!(line, "{:.1} %", 100.0 * share),
             share => write!(line, "{:.0} %, about {} left", 100.0 * share, seconds(took_s * (1.0 - share) / share)),
         };
@@ -61,7 +64,10 @@ mod tests {
         let line = pace.line(s(10), "transport", 25, 100);
         assert_eq!(line.as_deref(), Some("transport: 25 %, about 15 s left, 10 s in all so far"));
         assert_eq!(pace.line(s(19), "shade", 1, 10), None);
-        assert_eq!(pace.line(s(200), "shade", 7, 0).as_deref(), Some("shade: 7 done, 3 min in all so far"));
+        // Nothing new, and what falls back, leave the share as it was.
+        pace.line(s(150), "shade", 5, 10);
+        let line = pace.line(s(200), "shade", 7, 0);
+        assert_eq!(line.as_deref(), Some("shade: 50 %, about 3 min left, 3 min in all so far"));
         assert_eq!(pace.line(s(210), "solve", 0, 9).as_deref(), Some("solve: 0.0 %, 4 min in all so far"));
     }
 }

@@ -15,8 +15,8 @@ use crate::interrupt;
 use crate::output::{self, Output};
 use crate::pace::Pace;
 
-const COUNTED: &str = "{msg:>14} [{bar:32}] {percent:>3} %  {human_pos}/{human_len}  {elapsed}, {eta} left";
-const UNCOUNTED: &str = "{msg:>14} {spinner} {human_pos}  {elapsed}";
+const COUNTED: &str = "{msg:>14} [{bar:32}] {percent:>3} %  {elapsed}, {eta} left";
+const UNCOUNTED: &str = "{msg:>14} {spinner}  {elapsed}";
 
 /// A progress bar, and the stage that it shows.
 pub(crate) struct Bar {
@@ -79,12 +79,14 @@ impl Bar {
         if !self.bar.is_hidden()
             && let Ok(mut shown) = self.shown.try_lock()
         {
-            let now = Some((running, total));
-            if *shown != now {
-                self.start(running, done, total, shown.is_none_or(|(before, _)| before != running));
-                *shown = now;
+            let is_new = shown.is_none_or(|(before, _)| before != running);
+            if is_new || (total > 0 && *shown != Some((running, total))) {
+                self.start(running, done, total, is_new);
+                *shown = Some((running, total));
             }
-            self.bar.set_position(done);
+            if total > 0 {
+                self.bar.set_position(done.max(self.bar.position()));
+            }
         }
         ControlFlow::Continue(())
     }

@@ -316,6 +316,9 @@ pub(crate) fn solve<'a>(
     Ok(Solved { surfaces, solution, bounced, texels: None })
 }
 
+/// About the share of `shade` that the d-segments of what reflects much take.
+const SECONDARY_SHARE: f64 = 0.05;
+
 /// Makes the mesh that is shown.
 pub(crate) fn show(
     scene: &Scene,
@@ -334,12 +337,14 @@ pub(crate) fn show(
 
     let refined = settings.shade.tolerance.is_finite();
     let mean = solution.mean_irradiance(mesh, |face| prepared.shows_light(scene, face));
+    let [of_secondary, progress] =
+        [[0.0, SECONDARY_SHARE], [SECONDARY_SHARE, 1.0]].map(|part| progress.part(Stage::Shade, part));
     let secondary = match before {
         Before::Known(known) => known.secondary.clone(),
         _ if settings.discontinuities && settings.secondary_sources && refined => {
             let reflecting = what_patches_reflect(mesh, &solution);
             let least = settings.weak_share() * mean.element_sum() / 3.0;
-            discontinuity::find_secondary(scene, prepared, visibility, &reflecting, least, progress)?
+            discontinuity::find_secondary(scene, prepared, visibility, &reflecting, least, of_secondary)?
         }
         _ => Table::new(),
     };
@@ -561,22 +566,23 @@ pub(crate) fn link(
         }
         _ => None,
     };
+    let [linking, evening] = [[0.0, 0.5], [0.5, 1.0]].map(|part| progress.part(Stage::Transport, part));
     let begin = Instant::now();
     let links = match brightness {
         None if fits_samples => {
-            transport::subdivide_all(&prepared, &visibility, &mut mesh, &form_factor, progress)?;
+            transport::subdivide_all(&prepared, &visibility, &mut mesh, &form_factor, linking)?;
             Links::default()
         }
-        Some(oracle) => transport::link_all(&prepared, &visibility, &mut mesh, &oracle, progress)?,
+        Some(oracle) => transport::link_all(&prepared, &visibility, &mut mesh, &oracle, linking)?,
         None if settings.d0_before_links => {
-            transport::link_all(&prepared, &visibility, &mut mesh, &form_factor, progress)?
+            transport::link_all(&prepared, &visibility, &mut mesh, &form_factor, linking)?
         }
-        None => transport::link_all(&prepared, &visibility, &mut mesh, &PaperOracle(form_factor), progress)?,
+        None => transport::link_all(&prepared, &visibility, &mut mesh, &PaperOracle(form_factor), linking)?,
     };
     clock.linking_s = begin.elapsed().as_secs_f64();
     if settings.shade.tolerance.is_finite() {
         let direct = DirectLight::new(scene, &prepared, &visibility);
-        transport::split_where_uneven(scene, &prepared, &direct, &mut mesh, progress)?;
+        transport::split_where_uneven(scene, &prepared, &direct, &mut mesh, evening)?;
     }
     clock.end_of(Stage::Transport);
     Ok(Linked { meshed: Meshed { prepared, discontinuities, mesh }, visibility, links })

@@ -42,8 +42,14 @@ pub struct Update {
     pub stage: Stage,
     /// Steps done in this stage.
     pub done: u64,
-    /// Steps of this stage in all, 0 where that is not known.
+    /// Steps of this stage in all; 0 where nothing new is known but that it runs.
     pub total: u64,
+}
+
+/// How far on its way from 1 to `target` a residual is that falls by a factor in each step: 0 to 1.
+pub(crate) fn share_of_way(residual: f64, target: f64) -> f64 {
+    let share = residual.ln() / target.ln();
+    if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
 }
 
 /// The bake was cancelled by the progress callback.
@@ -56,17 +62,22 @@ pub struct Cancelled;
 pub struct Progress<'a> {
     callback: Option<&'a (dyn Fn(Update) -> ControlFlow<()> + Sync)>,
     hurries: Option<&'a (dyn Fn() -> bool + Sync)>,
+    /// What is told counts as a part of a stage: from one share of it to another.
+    part: Option<(Stage, [f64; 2])>,
 }
+
+/// Steps of a stage that is told in parts.
+const STEPS_OF_PARTS: f64 = 10_000.0;
 
 impl<'a> Progress<'a> {
     /// Tells each update to `callback`, which cancels with [`ControlFlow::Break`].
     pub fn new(callback: &'a (dyn Fn(Update) -> ControlFlow<()> + Sync)) -> Self {
-        Self { callback: Some(callback), hurries: None }
+        Self { callback: Some(callback), hurries: None, part: None }
     }
 
     /// Tells nobody, and is never cancelled.
     pub fn silent() -> Self {
-        Self { callback: None, hurries: None }
+        Self { callback: None, hurries: None, part: None }
     }
 
     /// The same, where `hurries` says from when on the bake is to end with what it has.
@@ -74,17 +85,34 @@ impl<'a> Progress<'a> {
         Self { hurries: Some(hurries), ..self }
     }
 
+    /// The same, where what is told, of whatever stage, is the work of `stage` from one share of it to another; of a part, those are
+    /// shares of the part. How long parts take is guessed.
+    #[must_use]
+    pub fn part(self, stage: Stage, [from, to]: [f64; 2]) -> Self {
+        let (stage, [begin, end]) = self.part.unwrap_or((stage, [0.0, 1.0]));
+        let [from, to] = [from, to].map(|share| begin + share * (end - begin));
+        Self { part: Some((stage, [from, to])), ..self }
+    }
+
     /// Whether what can be left out is to be left out: asked between rounds.
     pub fn is_hurried(&self) -> bool {
         self.hurries.is_some_and(|hurries| hurries())
     }
 
-    /// Tells that `done` of `total` steps of `stage` are done.
+    /// Tells that `done` of `total` steps of `stage` are done; a total of 0 tells no more than that it runs.
     ///
     /// # Errors
     /// [`Cancelled`] where the callback asks to stop.
     pub fn report(&self, stage: Stage, done: usize, total: usize) -> Result<(), Cancelled> {
-        match self.callback.map(|callback| callback(Update { stage, done: done as u64, total: total as u64 })) {
+        let update = match self.part {
+            None => Update { stage, done: done as u64, total: total as u64 },
+            Some((stage, _)) if total == 0 => Update { stage, done: 0, total: 0 },
+            Some((stage, [from, to])) => {
+                let share = from + (to - from) * (done as f64 / total as f64).min(1.0);
+                Update { stage, done: (STEPS_OF_PARTS * share) as u64, total: STEPS_OF_PARTS as u64 }
+            }
+        };
+        match self.callback.map(|callback| callback(update)) {
             Some(ControlFlow::Break(())) => Err(Cancelled),
             _ => Ok(()),
         }
@@ -99,6 +127,8 @@ impl fmt::Debug for Progress<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Mutex;
+
     use super::*;
 
     #[test]
@@ -108,5 +138,20 @@ mod tests {
         assert_eq!(progress.report(Stage::Solve, 2, 9), Ok(()));
         assert_eq!(progress.report(Stage::Solve, 3, 9), Err(Cancelled));
         assert_eq!(Progress::silent().report(Stage::Solve, 3, 9), Ok(()));
+    }
+
+    #[test]
+    fn parts_of_parts_are_shares_of_the_outer_stage() {
+        let told = Mutex::new(Vec::new());
+        let tell = |u: Update| {
+            told.lock().unwrap().push((u.stage, u.done, u.total));
+            ControlFlow::Continue(())
+        };
+        let half = Progress::new(&tell).part(Stage::Shade, [0.5, 1.0]);
+        half.report(Stage::Shade, 1, 2).unwrap();
+        half.part(Stage::Discontinuity, [0.0, 0.2]).report(Stage::Discontinuity, 1, 2).unwrap();
+        half.report(Stage::Discontinuity, 7, 0).unwrap();
+        let expected = [(Stage::Shade, 7500, 10_000), (Stage::Shade, 5500, 10_000), (Stage::Shade, 0, 0)];
+        assert_eq!(*told.lock().unwrap(), expected);
     }
 }

@@ -23,7 +23,7 @@ use self::sides::{Region, Sides};
 use crate::geometry::polygon;
 use crate::id::{FaceId, Table};
 use crate::prepare::{self, FaceOrigins, PrepareError, PrepareSettings, Prepared};
-use crate::progress::{Progress, Stage};
+use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::Scene;
 use crate::visibility::Visibility;
 
@@ -34,6 +34,9 @@ const MIN_FRONTS_OF_ROOM: f64 = 0.5;
 /// Where lit regions have less than this share of the area of all sides, the light is shut in by mistake, as a bulb in
 /// its glass, and nothing is hidden.
 const MIN_LIT_OF_SCENE: f64 = 0.01;
+
+/// About the share of `prepare` that the draft takes; the rest is for rays.
+const DRAFT_SHARE: f64 = 0.5;
 
 /// Which faces of a scene are hidden.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,13 +57,14 @@ pub fn faces_in_sight(
     settings: PrepareSettings,
     progress: Progress<'_>,
 ) -> Result<(Prepared, Visibility), PrepareError> {
-    let draft = prepare::draft(scene, settings, progress)?;
+    let draft = prepare::draft(scene, settings, progress.part(Stage::Prepare, [0.0, DRAFT_SHARE]))?;
     let (all, origins) = draft.faces(scene);
     let visibility = Visibility::new(&all);
     if settings.keep_hidden {
         return Ok((all, visibility));
     }
-    let Hidden { faces, share } = hidden(scene, &all, &visibility, &origins);
+    let of_sight = progress.part(Stage::Prepare, [DRAFT_SHARE, 1.0]);
+    let Hidden { faces, share } = hidden(scene, &all, &visibility, &origins, of_sight)?;
     if !faces.iter().any(|hidden| *hidden) {
         return Ok((all, visibility));
     }
@@ -72,9 +76,18 @@ pub fn faces_in_sight(
 }
 
 /// Finds the faces that no light reaches and nobody can see.
-pub fn hidden(scene: &Scene, prepared: &Prepared, visibility: &Visibility, origins: &FaceOrigins) -> Hidden {
+///
+/// # Errors
+/// [`Cancelled`] where `progress` asks to stop.
+pub fn hidden(
+    scene: &Scene,
+    prepared: &Prepared,
+    visibility: &Visibility,
+    origins: &FaceOrigins,
+    progress: Progress<'_>,
+) -> Result<Hidden, Cancelled> {
     let mut sides = Sides::around_edges(prepared);
-    sight::join(prepared, visibility, &mut sides);
+    sight::join(prepared, visibility, &mut sides, progress)?;
     let is_lit = light::lit_regions(scene, prepared, visibility, &mut sides);
 
     let areas_m2: Table<FaceId, f64> =
@@ -83,7 +96,7 @@ pub fn hidden(scene: &Scene, prepared: &Prepared, visibility: &Visibility, origi
     let regions: Vec<Region> = prepared.faces.keys().map(|face| sides.region_before(face)).collect();
     let lit_m2: f64 = regions.iter().zip(&areas_m2).filter(|(region, _)| is_lit[**region]).map(|(_, m2)| m2).sum();
     if lit_m2 < MIN_LIT_OF_SCENE * total_m2 {
-        return Hidden { faces: areas_m2.iter().map(|_| false).collect(), share: 0.0 };
+        return Ok(Hidden { faces: areas_m2.iter().map(|_| false).collect(), share: 0.0 });
     }
 
     let mut rooms: Vec<Room> = vec![Room::default(); sides.count()];
@@ -100,7 +113,7 @@ pub fn hidden(scene: &Scene, prepared: &Prepared, visibility: &Visibility, origi
     let faces: Table<FaceId, bool> =
         regions.iter().map(|&region| !is_lit[region] && !is_room(region)).collect::<Vec<_>>().into();
     let hidden_m2: f64 = faces.iter().zip(&areas_m2).filter(|(hidden, _)| **hidden).map(|(_, m2)| m2).sum();
-    Hidden { faces, share: hidden_m2 / total_m2 }
+    Ok(Hidden { faces, share: hidden_m2 / total_m2 })
 }
 
 /// What bounds a region.

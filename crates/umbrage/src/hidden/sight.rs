@@ -4,6 +4,8 @@
 //! say: where surfaces cross that should have been cut and were not, some ray passes from one region to the other, and
 //! makes them one. Rays that meet nothing lead outside.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -11,23 +13,38 @@ use super::sides::{Sides, back, front};
 use crate::geometry::polygon;
 use crate::id::FaceId;
 use crate::prepare::Prepared;
+use crate::progress::{Cancelled, Progress, Stage};
 use crate::visibility::{FirstMet, Visibility};
 
 /// Rays from each side. A piece of a surface that reaches into another region is in it with its middle, or has a part of its own
 /// there since contacts cut it.
 const RAYS: usize = 6;
+/// Faces between two reports of progress.
+const FACES_A_REPORT: usize = 256;
 /// A ray of so many extents from anywhere in the scene leaves it.
 pub(super) const LEAVES_EXTENTS: f64 = 2.0;
 
 /// Joins the sides that see each other.
-pub(super) fn join(prepared: &Prepared, visibility: &Visibility, sides: &mut Sides) {
+pub(super) fn join(
+    prepared: &Prepared,
+    visibility: &Visibility,
+    sides: &mut Sides,
+    progress: Progress<'_>,
+) -> Result<(), Cancelled> {
+    let done = AtomicUsize::new(0);
     let seen: Vec<[[Option<usize>; RAYS]; 2]> = prepared
         .faces
         .raw
         .par_iter()
         .enumerate()
-        .map(|(number, _)| [true, false].map(|is_front| seen_from(prepared, visibility, number.into(), is_front)))
-        .collect();
+        .map(|(number, _)| {
+            let done = done.fetch_add(1, Ordering::Relaxed);
+            if done.is_multiple_of(FACES_A_REPORT) {
+                progress.report(Stage::Prepare, done, prepared.faces.len())?;
+            }
+            Ok([true, false].map(|is_front| seen_from(prepared, visibility, number.into(), is_front)))
+        })
+        .collect::<Result<_, Cancelled>>()?;
     let outside = sides.outside();
     for (face, seen) in prepared.faces.keys().zip(seen) {
         // The back of a face that has an opposite one is that one's front.
@@ -38,6 +55,7 @@ pub(super) fn join(prepared: &Prepared, visibility: &Visibility, sides: &mut Sid
             }
         }
     }
+    Ok(())
 }
 
 /// The sides that rays from the middle of a side meet; `None` where they leave the scene.

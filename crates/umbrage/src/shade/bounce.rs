@@ -23,7 +23,7 @@ use super::irradiance::{Irradiance, Terms};
 use crate::id::{PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
-use crate::progress::{Cancelled, Progress, Stage};
+use crate::progress::{Cancelled, Progress, Stage, share_of_way};
 use crate::scene::{Rgb, Scene};
 use crate::solve::{self, Solution, SolveSettings, Surfaces};
 use crate::transport::{DirectLight, Linear, Links};
@@ -45,6 +45,11 @@ const LEAST_LIT: f64 = 0.1;
 const MOST_IN_MIDDLES: usize = 2;
 /// Bounces that may follow one gathering.
 const MOST_BOUNCES: usize = 100;
+/// About the shares of the stage that the solution over links takes, and each gathering of what is then left.
+const OVER_LINKS_SHARE: f64 = 0.05;
+const GATHERING_OF_REST: f64 = 0.6;
+/// Steps that progress is told in.
+const STEPS: f64 = 1000.0;
 /// Links are of use as long as each correction leaves less than this share of the change that the one before made.
 const OF_USE: f64 = 0.5;
 
@@ -90,12 +95,19 @@ pub fn bounce(
     progress: Progress<'_>,
 ) -> Result<(Solution, AtPoints<Terms>), Cancelled> {
     let Room { scene, prepared, visibility, direct, links } = room;
-    let solved = |mesh: &Mesh, surfaces: &Surfaces| solve::solve(mesh, surfaces, links, bouncing.solve, progress);
+    let over_links = progress.part(Stage::Solve, [0.0, OVER_LINKS_SHARE]);
+    let solved = |mesh: &Mesh, surfaces: &Surfaces| solve::solve(mesh, surfaces, links, bouncing.solve, over_links);
     let mut solution = solved(mesh, surfaces)?;
     let places = Places::new(prepared);
     let mut bounced_light = BouncedLight::default();
     let mut in_middles_alone = true;
+    let mut told = OVER_LINKS_SHARE;
     for gathering in 0..MOST_GATHERINGS {
+        // Each may be the last, and is most of what is left.
+        let end = told + GATHERING_OF_REST * (1.0 - told);
+        let [to_gather, to_settle] =
+            [[told, 0.5 * (told + end)], [0.5 * (told + end), end]].map(|part| progress.part(Stage::Solve, part));
+        told = end;
         let (sources, looked_at) = (mesh.clone(), solution.clone());
         let mean = looked_at.mean_irradiance(&sources, |face| prepared.shows_light(scene, face));
         let least = if gathering == 0 { LEAST_LIT * mean } else { Rgb::ZERO };
@@ -103,7 +115,7 @@ pub fn bounce(
         let light = Irradiance::new(prepared, visibility, &sources, &reflected, mean).coarser(bouncing.coarser);
         let light = light.with_memory(known.map_or(Memory::None, Memory::Known));
         let evenness = Evenness { reflectance: &surfaces.reflectance, tolerance: bouncing.tolerance, in_middles_alone };
-        bounced_light = BouncedLight::gather(bounced_light, mesh, &places, &light, evenness, progress)?;
+        bounced_light = BouncedLight::gather(bounced_light, mesh, &places, &light, evenness, to_gather)?;
         let has_split = mesh.patch_count() > sources.patch_count();
         if has_split {
             surfaces.extend(scene, prepared, mesh, direct);
@@ -114,7 +126,7 @@ pub fn bounce(
             let slope = |leaf: PatchId| (solution.irradiance[leaf] - surfaces.direct[leaf]).gradient;
             bounced_light.over_leaves(mesh, &light, &solution.reflected, &mut bright.borrow_mut(), slope)
         };
-        solution = settled(links, &solved, &gathered, mesh, surfaces, solution, progress)?;
+        solution = settled(links, &solved, &gathered, mesh, surfaces, solution, to_settle)?;
         let change = solution.relative_change(&sources, &looked_at);
         tracing::debug!(change, leaves = mesh.leaves().count(), "gathered");
         let is_settled = !in_middles_alone && (change < if has_split { SETTLED } else { LIKE } || known.is_some());
@@ -146,8 +158,9 @@ fn settled(
     progress: Progress<'_>,
 ) -> Result<Solution, Cancelled> {
     let (mut over_links, mut before) = (!links.is_empty(), f64::INFINITY);
-    for number in 0..MOST_BOUNCES {
-        progress.report(Stage::Solve, number, 0)?;
+    let mut changes = 1.0;
+    for _ in 0..MOST_BOUNCES {
+        progress.report(Stage::Solve, (STEPS * share_of_way(changes, UNBOUNCED)) as usize, STEPS as usize)?;
         let of_leaves = gathered(mesh, &solution, surfaces).into_iter();
         let exactly: Vec<_> = of_leaves.map(|(leaf, gathered)| (leaf, surfaces.direct[leaf] + gathered)).collect();
         let bounced = if over_links {
@@ -159,6 +172,7 @@ fn settled(
             solve::reflect(mesh, surfaces, &exactly, &solution)
         };
         let change = bounced.relative_change(mesh, &solution);
+        changes = change;
         solution = bounced;
         if !over_links {
             solution.residual = change;

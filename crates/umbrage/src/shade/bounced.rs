@@ -180,7 +180,7 @@ impl BouncedLight {
         let known = self.points.len();
         let gathered = |(number, (spot, _, point)): (usize, &(Spot, PatchId, ReceiverPoint))| {
             if number.is_multiple_of(POINTS_A_REPORT) {
-                progress.report(Stage::Solve, known + number, 0)?;
+                progress.report(Stage::Solve, number, wanted.len())?;
             }
             let as_before = before.terms(spot).map(|terms| light.renewed(point, terms));
             Ok((*point, as_before.unwrap_or_else(|| light.terms(point))))

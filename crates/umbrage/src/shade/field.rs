@@ -310,7 +310,7 @@ impl Values {
             .enumerate()
             .map(|(number, request)| {
                 if number.is_multiple_of(POINTS_A_REPORT) {
-                    progress.report(stage, known + number, 0)?;
+                    progress.report(stage, number, requests.len())?;
                 }
                 Ok(field.at(mesh, &request.point, request.patch))
             })

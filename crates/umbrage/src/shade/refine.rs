@@ -17,7 +17,7 @@ use super::field::{Field, Places, Values};
 use super::local_light::negligible;
 use crate::id::PatchId;
 use crate::mesh::{Attempt, Mesh};
-use crate::progress::{Cancelled, Progress, Stage};
+use crate::progress::{Cancelled, Progress, Stage, share_of_way};
 use crate::scene::Rgb;
 use crate::transport::PlacesOfLeaves;
 
@@ -106,7 +106,9 @@ pub(super) fn refine(
     let mut is_finest: Vec<bool> = Vec::new();
     // Once the mean error is small enough, rounds tell what changed alone; at the end all is told once more.
     let (mut tells_all, mut is_coarse, mut area_m2) = (true, true, 0.0);
+    let mut way = Way::default();
     for round in 0..MOST_ROUNDS {
+        let progress = progress.part(Stage::Shade, way.next_round());
         points_of.resize(mesh.patch_count(), None);
         is_finest.extend((is_finest.len()..mesh.patch_count()).map(|patch| mesh.is_finest(PatchId::from(patch))));
         refined.elements.resize(mesh.patch_count(), Vec::new());
@@ -116,16 +118,14 @@ pub(super) fn refine(
         let is_stale = |leaf: PatchId| points_of[leaf.index()].is_none_or(|points| points != mesh.boundary_count(leaf));
         let stale: Vec<Outlined> =
             leaves.par_iter().filter(|leaf| is_stale(**leaf)).map(|&leaf| Outlined::of(mesh, leaf)).collect();
-        let looked_at = refined.values.as_slice().len();
         let patches: Vec<PatchId> = stale.iter().map(|leaf| leaf.patch).collect();
-        field.look_around(mesh, &patches, &|| progress.report(Stage::Shade, looked_at, 0))?;
+        field.look_around(mesh, &patches, &|| progress.report(Stage::Shade, 0, 0))?;
         let field = &*field;
         let requests = stale.par_iter().flat_map_iter(|leaf| leaf.requests(mesh, places)).collect();
         refined.values.evaluate(mesh, field, requests, Stage::Shade, progress)?;
         // Elements may ask for more of the field.
-        let looked_at = refined.values.as_slice().len();
         let fresh = stale.par_iter().map(|leaf| {
-            progress.report(Stage::Shade, looked_at, 0)?;
+            progress.report(Stage::Shade, 0, 0)?;
             let closer = Closer { large_m2, bright: bright.of(leaf.patch) };
             Ok(leaf.elements(mesh, places, &refined.values, field, &closer, &refined.elements[leaf.patch.index()]))
         });
@@ -180,6 +180,7 @@ pub(super) fn refine(
         let divisible: Vec<PatchId> = leaves.iter().copied().filter(is_divisible).collect();
         let total = errors.total(&divisible);
         is_coarse = total > target;
+        way.is_at(total, target);
         let mut marked: Vec<PatchId> = if is_coarse {
             worst(errors.of_leaves(&divisible), total, target)
         } else {
@@ -209,6 +210,32 @@ pub(super) fn refine(
     }
     refined.shifts = errors.into_shifts();
     Ok(refined)
+}
+
+/// How far refinement is: the logarithm of the mean error goes down evenly, then what errs in single places is split.
+#[derive(Debug, Default)]
+struct Way {
+    first: Option<f64>,
+    share: f64,
+}
+
+impl Way {
+    /// About the share that the mean error takes.
+    const OF_MEAN: f64 = 0.8;
+    /// A round takes about so much of what is left.
+    const OF_REST: f64 = 0.2;
+
+    /// The shares at which the next round begins and ends.
+    fn next_round(&self) -> [f64; 2] {
+        [self.share, self.share + Self::OF_REST * (1.0 - self.share)]
+    }
+
+    /// The squared error is `total`, and should be `target`.
+    fn is_at(&mut self, total: f64, target: f64) {
+        let first = *self.first.get_or_insert(total);
+        let of_mean = Self::OF_MEAN * share_of_way(total / first, target / first);
+        self.share = if total > target { self.share.max(of_mean) } else { self.next_round()[1].max(Self::OF_MEAN) };
+    }
 }
 
 /// How much of the square of a local error counts, for the size of its element.

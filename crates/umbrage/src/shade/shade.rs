@@ -22,7 +22,7 @@ use super::regression::{FittedLight, Gathering, RegressionSettings, regress};
 use crate::id::{FaceId, PatchId};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
-use crate::progress::{Cancelled, Progress};
+use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Rgb, Scene};
 use crate::texels::{BrightTexels, RayTree, Sources, TexelRadiosity};
 use crate::transport::{BrightPlace, DirectLight};
@@ -33,6 +33,9 @@ const INDIRECT_SHARE: f64 = 0.3;
 /// The share of the tolerance that linear interpolation of all light may take: what is left is for the errors of the
 /// light itself.
 const LINEAR_SHARE: f64 = 0.5;
+
+/// About the parts of the stage in which indirect light, what is shown, and triangles are made.
+const SHARES: [[f64; 2]; 3] = [[0.0, 0.5], [0.5, 0.95], [0.95, 1.0]];
 
 /// Where triangles are few, hard shadows take no more than this share of them before refinement tells where they err least.
 const CUTS_OF_ROOM: f64 = 0.5;
@@ -217,6 +220,7 @@ pub fn shade(
     let most = settings.max_triangles;
     cut_first(mesh, most);
     let mean = indirect.mean();
+    let [of_indirect, of_shown, of_triangles] = SHARES.map(|[from, to]| progress.part(Stage::Shade, [from, to]));
     let light = match indirect {
         IndirectLight::Gathered { irradiance, bounced } => {
             let smooth = RefineSettings {
@@ -226,10 +230,10 @@ pub fn shade(
                 max_triangles: most.max(LEAST_GATHERED),
             };
             let tolerances = [smooth.tolerance, settings.tolerance].map(|tolerance| tolerance * mean);
-            let (plain, known) = plain_faces(gathering, &places, irradiance, bounced, tolerances, progress)?;
+            let (plain, known) = plain_faces(gathering, &places, irradiance, bounced, tolerances, of_indirect)?;
             let is_not_plain = |mesh: &Mesh, patch: PatchId| plain[mesh.patch(patch).face].is_none();
             let field = &mut irradiance::Indirect(irradiance);
-            let gathered = refine(gathering, &places, field, known, is_not_plain, smooth, progress)?;
+            let gathered = refine(gathering, &places, field, known, is_not_plain, smooth, of_indirect)?;
             Indirect::Interpolated(Interpolated::new(gathering, &gathered, &plain))
         }
         IndirectLight::Sampled { visibility, tree, light } => {
@@ -242,11 +246,12 @@ pub fn shade(
                 true => WEIGHT_OF_EMITTERS,
                 false => 0.0,
             };
-            Indirect::Fitted(Box::new(regress(from, gathering.clone(), &places, weight, settings, progress)?))
+            Indirect::Fitted(Box::new(regress(from, gathering.clone(), &places, weight, settings, of_indirect)?))
         }
     };
     let (samples, of_fit) = match &light {
-        Indirect::Fitted(light) => (Some(light.samples), light.error),
+        // Where nothing that is shown receives light there is nothing to be a share of.
+        Indirect::Fitted(light) => (Some(light.samples), if mean > 0.0 { light.error } else { 0.0 }),
         Indirect::Interpolated(_) => (None, 0.0),
     };
     let sent = direct.light_sent();
@@ -258,7 +263,7 @@ pub fn shade(
         max_triangles: most,
     };
     let Refined { mut values, shifts, error, elements } =
-        refine(mesh, &places, &mut total, Values::default(), receives, whole, progress)?;
+        refine(mesh, &places, &mut total, Values::default(), receives, whole, of_shown)?;
     // At borders points may lie in a patch beside the one that they are of: for these all is looked at.
     total.direct = Direct::new(direct);
     let shown = Shown { mesh, places: &places, elements: &elements, values: &values, shifts: &shifts };
@@ -267,7 +272,7 @@ pub fn shade(
     let uncut = mesh.remove_d0_hints_within(most);
     mesh.triangulate();
     let lighting = Lighting { known: &values, irradiance: &total };
-    let (mesh, flat_triangles) = assemble(scene, prepared, mesh, &places, lighting, most, progress)?;
+    let (mesh, flat_triangles) = assemble(scene, prepared, mesh, &places, lighting, most, of_triangles)?;
     Ok(Shaded { mesh, error: error.hypot(of_fit), flat_triangles, uncut, lamps, samples })
 }
 

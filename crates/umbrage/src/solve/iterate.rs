@@ -10,7 +10,7 @@ use super::push_pull::push_pull;
 use super::surfaces::Surfaces;
 use crate::id::{FaceId, PatchId, Table};
 use crate::mesh::Mesh;
-use crate::progress::{Cancelled, Progress, Stage};
+use crate::progress::{self, Cancelled, Progress, Stage};
 use crate::scene::Rgb;
 use crate::transport::{Linear, Links};
 
@@ -95,6 +95,9 @@ impl Solution {
     }
 }
 
+/// Steps that progress is told in.
+const STEPS: f64 = 1000.0;
+
 /// Solves for the radiosity of every patch.
 ///
 /// # Errors
@@ -110,7 +113,8 @@ pub fn solve(
     let (mut irradiance, mut reflected) = push_pull(mesh, surfaces, nothing);
     let (mut residual, mut iterations) = (1.0, 0);
     while residual > settings.max_residual && iterations < settings.max_iterations {
-        progress.report(Stage::Solve, iterations, 0)?;
+        let share = progress::share_of_way(residual, settings.max_residual);
+        progress.report(Stage::Solve, (STEPS * share) as usize, STEPS as usize)?;
         let bounced = push_pull(mesh, surfaces, gather(links, &reflected));
         let changing = |leaf: PatchId| [&reflected, &bounced.1].map(|moments| moments[leaf].mean);
         residual = relative_change(mesh, changing, |leaf| surfaces.exitance[leaf] + bounced.1[leaf].mean);

@@ -53,9 +53,10 @@ pub fn subdivide_all(
     progress: Progress<'_>,
 ) -> Result<Vec<[Node; 2]>, Cancelled> {
     let mut subdivision = Subdivision { mesh, oracle, divided_by_d0: Vec::new(), pairs: Vec::new() };
-    for (number, [p, q]) in pairs(prepared, visibility).into_iter().enumerate() {
+    let of_faces = pairs(prepared, visibility);
+    for (number, &[p, q]) in of_faces.iter().enumerate() {
         if number.is_multiple_of(PAIRS_PER_REPORT) {
-            progress.report(Stage::Transport, subdivision.pairs.len(), 0)?;
+            progress.report(Stage::Transport, number, of_faces.len())?;
         }
         subdivision.subdivide(subdivision.mesh.root(p), subdivision.mesh.root(q));
     }
@@ -75,7 +76,8 @@ pub fn link_all(
     oracle: &impl Oracle,
     progress: Progress<'_>,
 ) -> Result<Links, Cancelled> {
-    let pairs = subdivide_all(prepared, visibility, mesh, oracle, progress)?;
+    let [subdividing, linking] = [[0.0, 0.5], [0.5, 1.0]].map(|part| progress.part(Stage::Transport, part));
+    let pairs = subdivide_all(prepared, visibility, mesh, oracle, subdividing)?;
     let mesh = &*mesh;
     let done = AtomicUsize::new(0);
     let links: Vec<_> = pairs
@@ -83,7 +85,7 @@ pub fn link_all(
         .map(|&pair| {
             let number = done.fetch_add(1, Ordering::Relaxed);
             if number.is_multiple_of(LINKS_PER_REPORT) {
-                progress.report(Stage::Transport, number, pairs.len())?;
+                linking.report(Stage::Transport, number, pairs.len())?;
             }
             Ok(link_both_ways(prepared, visibility, mesh, pair))
         })

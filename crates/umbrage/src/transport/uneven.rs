@@ -14,6 +14,7 @@
 
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -70,8 +71,11 @@ pub fn split_where_uneven(
 ) -> Result<(), Cancelled> {
     let sent = direct.light_sent();
     let mut places = PlacesOfLeaves::new(mesh, &sent.places);
+    // Every round has about half of the work that is left.
+    let done = AtomicUsize::new(0);
     let reflected_w = |mesh: &Mesh, places: &PlacesOfLeaves<'_>, leaf: PatchId| {
-        progress.report(Stage::Transport, 0, 0)?;
+        let done = done.fetch_add(1, Ordering::Relaxed);
+        progress.report(Stage::Transport, done, done + mesh.patch_count())?;
         let patch = mesh.patch(leaf);
         let reflectance = scene.materials[prepared.faces[patch.face].material].reflectance;
         let in_watts = |irradiance: Rgb| patch.area_m2 * (reflectance * irradiance).element_sum();
