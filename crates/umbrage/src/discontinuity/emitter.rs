@@ -69,7 +69,7 @@ impl Emitter {
 
 /// Groups of touching faces that lie in one plane, look the same way and are alike, in the order of their first faces;
 /// each ascends.
-pub(super) fn groups(prepared: &Prepared, alike: impl Fn(FaceId, FaceId) -> bool) -> Vec<Vec<FaceId>> {
+pub(crate) fn groups(prepared: &Prepared, alike: impl Fn(FaceId, FaceId) -> bool) -> Vec<Vec<FaceId>> {
     let mut groups = Vec::new();
     let mut taken: Table<FaceId, bool> = prepared.faces.iter().map(|_| false).collect();
     for first in prepared.faces.keys() {
@@ -116,7 +116,9 @@ fn emitter_of(prepared: &Prepared, faces: Vec<FaceId>, radiance: Rgb) -> Emitter
     let mut outline: Vec<DirectedEdge> = faces
         .iter()
         .flat_map(|&face| prepared.faces[face].sides.iter().flatten().copied())
-        .filter(|edge| prepared.edges[edge.edge].faces.iter().filter(|face| faces.contains(face)).count() == 1)
+        .filter(|edge| {
+            prepared.edges[edge.edge].faces.iter().filter(|face| faces.binary_search(face).is_ok()).count() == 1
+        })
         .collect();
     outline.sort_unstable();
     let polygons: Vec<Vec<DVec3>> = faces.iter().map(|&face| prepared.polygon_m(face)).collect();

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::casting::Casting;
 use super::features::Surroundings;
 use super::light_met::mean_irradiance;
 use super::strength::effect;
@@ -159,6 +160,7 @@ fn with_strength(around: &Surroundings<'_>, segment: DSegment) -> DSegment {
 struct Pairs<'a> {
     prepared: &'a Prepared,
     features: &'a Features,
+    casting: Casting,
     /// Where the numbers of each kind end.
     ends: [usize; 8],
 }
@@ -166,22 +168,23 @@ struct Pairs<'a> {
 impl<'a> Pairs<'a> {
     fn new(prepared: &'a Prepared, features: &'a Features, kinds: Kinds) -> Self {
         let (edges, vertices) = (features.occluders.edges.len(), features.occluders.vertices.len());
+        let casting = Casting::new(features);
         let counts = [
-            features.sources.vertices.len() * edges,
-            features.sources.edges.len() * vertices,
-            features.sources.edges.len() * edges,
-            features.emitters.len() * prepared.planes.len(),
-            features.emitters.len(),
+            casting.vertices.len() * edges,
+            casting.edges.len() * vertices,
+            casting.edges.len() * edges,
+            casting.emitters.len() * prepared.planes.len(),
+            casting.emitters.len(),
             features.lamps.len() * edges,
             features.lamps.len() * prepared.faces.len(),
-            if kinds == Kinds::All { features.emitters.len() * edges } else { 0 },
+            if kinds == Kinds::All { casting.emitters.len() * edges } else { 0 },
         ];
         let mut end = 0;
         let ends = counts.map(|count| {
             end += count;
             end
         });
-        Self { prepared, features, ends }
+        Self { prepared, features, casting, ends }
     }
 
     fn count(&self) -> usize {
@@ -190,27 +193,28 @@ impl<'a> Pairs<'a> {
 
     fn trace(&self, number: usize, around: &Surroundings<'_>) -> Vec<DSegment> {
         let Features { sources, occluders, .. } = self.features;
+        let Casting { emitters, vertices, edges } = &self.casting;
         let kind = self.ends.iter().take_while(|&&end| end <= number).count();
         let number = if kind == 0 { number } else { number - self.ends[kind - 1] };
         let pair = |count: usize| (number / count, number % count);
         match kind {
             0 => {
                 let (source, occluder) = pair(occluders.edges.len());
-                around.vertex_edge(&sources.vertices[source], &occluders.edges[occluder])
+                around.vertex_edge(&sources.vertices[vertices[source]], &occluders.edges[occluder])
             }
             1 => {
                 let (source, occluder) = pair(occluders.vertices.len());
-                around.edge_vertex(&sources.edges[source], occluders.vertices[occluder])
+                around.edge_vertex(&sources.edges[edges[source]], occluders.vertices[occluder])
             }
             2 => {
                 let (source, occluder) = pair(occluders.edges.len());
-                around.edge_edge(&sources.edges[source], &occluders.edges[occluder])
+                around.edge_edge(&sources.edges[edges[source]], &occluders.edges[occluder])
             }
             3 => {
                 let (source, occluder) = pair(self.prepared.planes.len());
-                around.occluder_plane(EmitterId::from(source), PlaneId::from(occluder))
+                around.occluder_plane(emitters[source], PlaneId::from(occluder))
             }
-            4 => around.source_plane(EmitterId::from(number)),
+            4 => around.source_plane(emitters[number]),
             5 => {
                 let (lamp, occluder) = pair(occluders.edges.len());
                 around.lamp_edge(LampId::from(lamp), &occluders.edges[occluder])
@@ -221,7 +225,7 @@ impl<'a> Pairs<'a> {
             }
             _ => {
                 let (source, occluder) = pair(occluders.edges.len());
-                around.three_edges(EmitterId::from(source), &occluders.edges[occluder])
+                around.three_edges(emitters[source], &occluders.edges[occluder])
             }
         }
     }

@@ -12,6 +12,7 @@
 //! | 2 | EEE: an edge of the source and two of occluders | `three_edges` |
 
 mod bright_part;
+mod casting;
 mod closed_gap;
 mod contact;
 mod corner;
@@ -47,6 +48,7 @@ pub use bright_part::Reflecting;
 pub use contact::is_contact;
 pub use d_segment::{DSegment, Degree, Event};
 pub use emitter::Emitter;
+pub(crate) use emitter::groups as coplanar_groups;
 pub use features::Features;
 pub use find::{Discontinuities, at_least, find};
 pub use lamp_curve::LampCurve;

@@ -16,6 +16,16 @@ use crate::scene::Rgb;
 /// Directions whose sine is below this are one: rounding of f32 vertices on an edge of a hundredth of the extent.
 const STRAIGHT_SINE: f64 = 1e-5;
 
+/// A step of radiance within an emitter that is less than this share of it casts no lines: they would be as many times weaker than those
+/// of its outline, and pictures on tiles of a sky or of lava give each a mean of its own.
+const FAINT_STEP: f64 = 0.05;
+
+/// Two fronts are one around an edge where cosines between normals and between inward directions cancel out within this: else they sum to
+/// up to 2.
+const FRONT_GOES_ON: f64 = 0.1;
+/// Inward directions with a greater cosine are upon one another, as the sides of a sheet.
+const LEAST_OPEN: f64 = 0.99;
+
 /// A face beside an edge.
 #[derive(Clone, Copy, Debug)]
 struct Beside {
@@ -145,7 +155,10 @@ impl Sources {
                 let inside = polygon::centroid(&prepared.polygon_m(face));
                 Beside { inward: inward(ends_m, inside), normal: prepared.normal(face), radiance: radiance[face] }
             };
-            let beside = edge.faces.iter().map(beside).collect();
+            let beside: SmallVec<[Beside; 2]> = edge.faces.iter().map(beside).collect();
+            if never_steps(&beside) {
+                continue;
+            }
             edges.push(SourceEdge { edge: id, emitter, emitters: along, ends: edge.ends, ends_m, beside });
         }
         for (id, part) in parts {
@@ -164,6 +177,18 @@ impl Sources {
         }
         Self { edges, vertices, of_emitter }
     }
+}
+
+/// Whether light steps across an edge by next to nothing, from wherever it is seen: two faces that emit about alike, in one plane or as the
+/// sides of a hollow. From behind one side of a hollow that side's back hides the edge of the other.
+fn never_steps(beside: &[Beside]) -> bool {
+    let [one, other] = beside else { return false };
+    let (darker, brighter) = (one.radiance.min(other.radiance), one.radiance.max(other.radiance));
+    let is_hollow = one.normal.dot(other.inward) > -STRAIGHT_SINE && other.normal.dot(one.inward) > -STRAIGHT_SINE;
+    // One front goes on in the other: by any angle between them the two cosines are opposite.
+    let between = one.inward.dot(other.inward);
+    let goes_on = (one.normal.dot(other.normal) + between).abs() < FRONT_GOES_ON && between < LEAST_OPEN;
+    is_hollow && goes_on && (brighter - darker).max_element() <= FAINT_STEP * brighter.max_element()
 }
 
 /// The unit vector across an edge towards a point.
@@ -227,6 +252,31 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn between_faces_that_emit_alike_only_ridges_cast_lines() {
+        // Two squares that share the edge from (1, 0, 0) to (1, 1, 0), the second one turned by it, both looking up.
+        let squares = |rise: f64, other: f64| {
+            let first = vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+            let far = [DVec3::new(2.0, 0.0, rise), DVec3::new(2.0, 1.0, rise)];
+            let second = vec![DVec3::X, far[0], far[1], DVec3::new(1.0, 1.0, 0.0)];
+            [(first.into_iter().map(fixture::f32_point).collect(), 1.0), (second, other)]
+        };
+        for (rise, other, edges) in [
+            (0.0, 1.0, 6),
+            (0.0, 0.96, 6),
+            (0.0, 0.9, 7),
+            (0.5, 1.0, 6),
+            (0.5, 0.9, 7),
+            (-0.5, 1.0, 7),
+            (-0.5, 0.97, 7),
+        ] {
+            assert_eq!(sources(&squares(rise, other)).edges.len(), edges, "rises by {rise}, {other} as bright");
+        }
+        // One that looks up beside one that looks down.
+        let [first, (second, light)] = squares(0.0, 1.0);
+        assert_eq!(sources(&[first, (turned(&second), light)]).edges.len(), 7);
     }
 
     #[test]

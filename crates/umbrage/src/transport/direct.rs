@@ -15,6 +15,7 @@ use crate::scene::{Lamp, Rgb, Scene};
 use crate::visibility::{FlatSource, ReceiverPoint, SourcePolygon, Visibility};
 
 use super::bright_places::{self, BrightPlace, LightSent};
+use super::emitting_parts::{EmittingPart, emitting_parts};
 use super::fit::Linear;
 use super::form_factor::factor_of_seen;
 use super::lamps::Lamps;
@@ -24,7 +25,7 @@ use super::sample;
 use super::seen::{KnownHere, SourceMemory, SourcesSeen};
 use rayon::prelude::*;
 
-/// An emitting face.
+/// A convex part of emitting faces, named by one of them.
 #[derive(Clone, Debug)]
 struct Emitter {
     face: FaceId,
@@ -48,15 +49,17 @@ pub struct DirectLight<'a> {
 impl<'a> DirectLight<'a> {
     /// The light of a scene's emitting faces.
     pub fn new(scene: &Scene, prepared: &'a Prepared, visibility: &'a Visibility) -> Self {
-        let material = |face: FaceId| &scene.materials[prepared.faces[face].material];
-        let emitting = prepared.faces.keys().filter(|&face| material(face).emits());
-        let emitters = emitting
-            .map(|face| Emitter {
-                face,
-                polygon: FlatSource::of_face(prepared, face),
-                outline: SourcePolygon::of_face(prepared, face),
-                extent: EmitterExtent::of_face(prepared, face),
-                exitance: material(face).exitance(),
+        let emitters = emitting_parts(scene, prepared)
+            .into_iter()
+            .map(|EmittingPart { face, corners_m }| {
+                let outline = SourcePolygon::on_face(prepared, face, corners_m);
+                Emitter {
+                    face,
+                    polygon: FlatSource::new(&outline, prepared.face_frame(face)),
+                    extent: EmitterExtent::new(&outline.corners_m),
+                    outline,
+                    exitance: scene.materials[prepared.faces[face].material].exitance(),
+                }
             })
             .collect();
         let lamps = Lamps::new(scene, prepared, visibility);
@@ -131,7 +134,8 @@ impl<'a> DirectLight<'a> {
             let at = |receiver: &ReceiverPoint| {
                 emitter.exitance * factor_of_seen(self.visibility, receiver, &emitter.polygon, None)
             };
-            let mean = emitter.exitance * receiving.factor_by_reciprocity(emitter.face, &emitter.extent);
+            let mean =
+                emitter.exitance * receiving.factor_by_reciprocity(&emitter.outline, emitter.face, &emitter.extent);
             self.missed_by_samples(mesh, patch, mean, at)
         };
         near.map(missed).fold(Linear::default(), |sum, missed| sum + missed)

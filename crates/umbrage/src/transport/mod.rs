@@ -4,6 +4,7 @@ mod bright_places;
 mod brightness;
 mod contour;
 mod direct;
+mod emitting_parts;
 pub mod exact;
 mod exchange;
 mod fit;

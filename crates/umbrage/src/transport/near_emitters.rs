@@ -33,10 +33,9 @@ pub(super) struct EmitterExtent {
 }
 
 impl EmitterExtent {
-    pub(super) fn of_face(prepared: &Prepared, face: FaceId) -> Self {
-        let corners_m = prepared.polygon_m(face);
+    pub(super) fn new(corners_m: &[DVec3]) -> Self {
         let middle_m = corners_m.iter().sum::<DVec3>() / corners_m.len().max(1) as f64;
-        Self { middle_m, radius_m: radius_m(&corners_m, middle_m), area_m2: polygon::area_m2(&corners_m) }
+        Self { middle_m, radius_m: radius_m(corners_m, middle_m), area_m2: polygon::area_m2(corners_m) }
     }
 }
 
@@ -66,15 +65,15 @@ impl<'a> ReceivingPatch<'a> {
             && emitter.middle_m.distance(self.middle_m) < NEAR_RADII * self.radius_m + emitter.radius_m
     }
 
-    /// The mean form factor of the patch to an emitter, by points of the emitter.
-    pub(super) fn factor_by_reciprocity(&self, emitter: FaceId, extent: &EmitterExtent) -> f64 {
+    /// The mean form factor of the patch to an emitter in the plane of `face`, by points of the emitter.
+    pub(super) fn factor_by_reciprocity(&self, emitter: &SourcePolygon, face: FaceId, extent: &EmitterExtent) -> f64 {
         let polygon = SourcePolygon::on_face(self.prepared, self.face, self.corners_m.clone());
         let patch = FlatSource::new(&polygon, self.prepared.face_frame(self.face));
         let at = |(point_m, weight)| {
-            let receiver = ReceiverPoint::on_face(self.prepared, emitter, point_m);
+            let receiver = ReceiverPoint::on_face(self.prepared, face, point_m);
             weight * factor_of_seen(self.visibility, &receiver, &patch, None)
         };
-        let factor: f64 = sample::points(&self.prepared.polygon_m(emitter)).into_iter().map(at).sum();
+        let factor: f64 = sample::points(&emitter.corners_m).into_iter().map(at).sum();
         if self.area_m2 > 0.0 { factor * extent.area_m2 / self.area_m2 } else { 0.0 }
     }
 }
