@@ -12,6 +12,7 @@ use umbrage_formats::{BakedFile, read_baked};
 use umbrage_verify::{BakedTriangle, CheckedPoint, Estimate, Report, Settings};
 
 use crate::interrupt;
+use crate::light::Units;
 use crate::method::{positive, share};
 use crate::output::{Output, answer, warning};
 use crate::progress::Bar;
@@ -112,6 +113,7 @@ fn percent(share: f64) -> String {
 }
 
 fn describe(report: &Report, baked: &BakedFile, seconds: f64) -> String {
+    let unit = Units::of(baked.photometric).irradiance;
     let mut text = String::new();
     let mut line = |name: &str, value: String| {
         // Writing to a string cannot fail.
@@ -125,7 +127,7 @@ fn describe(report: &Report, baked: &BakedFile, seconds: f64) -> String {
     let own =
         own.map(|own| format!("{} of the bake's own mean, by interpolation between vertices alone", percent(own)));
     line("estimate", own.unwrap_or_else(|| "none".into()));
-    line("mean", format!("{} W/m2 at these points, by paths", rounded(report.mean_irradiance)));
+    line("mean", format!("{} {unit} at these points, by paths", rounded(report.mean_irradiance)));
     let dark = count(report.dark, "dark one|dark ones");
     line("points", format!("{}, {dark}; {} buried and left out", grouped(report.compared), grouped(report.buried)));
     if report.uncovered > 0 {
@@ -136,9 +138,9 @@ fn describe(report: &Report, baked: &BakedFile, seconds: f64) -> String {
     line("speed", format!("{paths:.2} million paths/s, {rays:.2} million rays/s, {seconds:.1} s"));
     line("leaks", if report.leaks.is_empty() { "none".into() } else { grouped(report.leaks.len()) });
     const LISTED: usize = 8;
-    report.leaks.iter().take(LISTED).for_each(|leak| line("", place(leak)));
+    report.leaks.iter().take(LISTED).for_each(|leak| line("", place(leak, unit)));
     line("worst", String::new());
-    report.worst.iter().for_each(|point| line("", place(point)));
+    report.worst.iter().for_each(|point| line("", place(point, unit)));
     text
 }
 
@@ -156,11 +158,11 @@ fn measured(error: Estimate) -> String {
     format!("{told}: below about {bound}, noise hides how much; more --paths measure it")
 }
 
-/// A point, with what the bake shows there and what paths tell.
-fn place(point: &CheckedPoint) -> String {
+/// A point, with what the bake shows there and what paths tell, in `unit`.
+fn place(point: &CheckedPoint, unit: &str) -> String {
     let vector = |v: DVec3| v.to_array().map(|x| rounded(if x.abs() < 5e-5 { 0.0 } else { x })).join(",");
     format!(
-        "at {} on {}: {} W/m2 baked, {} +- {} traced",
+        "at {} on {}: {} {unit} baked, {} +- {} traced",
         vector(point.position_m),
         vector(point.normal),
         rgb(point.baked),

@@ -104,6 +104,19 @@ fn photometric_scenes_are_told_in_lumens() {
     assert!(told.contains("in lm") && told.contains("cd/m2") && !told.contains(" W"), "{told}");
     let told = out(&umbrage(&["info", &scene("cornell.obj")]));
     assert!(told.contains("in W") && !told.contains("lm"), "{told}");
+    // And so are their bakes, where they are checked and where they are shown.
+    let folder = folder("lumens");
+    let path = |name: &str| folder.join(name).display().to_string();
+    for (file, unit, other) in [("cornell.mgf", " lx ", "W/m2"), ("cornell.obj", " W/m2 ", " lx")] {
+        let baked = path("b.glb");
+        assert!(umbrage(&["bake", &scene(file), "-o", &baked, "--tolerance", "1"]).status.success());
+        let told = out(&umbrage(&["verify", &scene(file), &baked, "--points", "20", "--paths", "8"]));
+        assert!(told.contains(unit) && !told.contains(other), "{told}");
+        let page = path("p.html");
+        assert!(umbrage(&["page", &baked, "-o", &page]).status.success());
+        let is_photometric = format!("\"photometric\":{}", file.ends_with("mgf"));
+        assert!(fs::read_to_string(&page).unwrap().contains(&is_photometric));
+    }
 }
 
 #[test]

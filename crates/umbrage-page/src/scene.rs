@@ -65,6 +65,7 @@ pub(crate) fn lay_out(file: &BakedFile, outside: &Camera) -> PageScene {
         "scale": color::SEQUENTIAL,
         "scaleEnd": scale_end(file),
         "lumensPerWatt": color::LUMENS_PER_WATT,
+        "photometric": file.photometric,
         "facts": facts(file),
     });
     PageScene { about, tables: tables(file, &looks, &images) }

@@ -8,6 +8,11 @@ const STEP = 5 * DEGREE;
 // Units of irradiance: name, and how many of it are 1 in the file.
 const UNITS = { w: ["W/m\u00b2", 1], lx: ["lx", about.lumensPerWatt], photometric: ["lx", 1] };
 const unit = () => UNITS[element("unit").value];
+// What is photometric has no other unit.
+if (about.photometric) {
+  element("unit").value = "photometric";
+  for (const option of [...element("unit").options]) if (option.value !== "photometric") option.remove();
+}
 const short = (x) => String(Number(x.toPrecision(3)));
 
 // --- pointers ---
@@ -218,7 +223,7 @@ function recall() {
   element("filmic").checked = words.get("tone") === "filmic";
   element("wire").checked = words.get("wire") === "1";
   if (SHOWN.includes(words.get("show"))) element("show").value = words.get("show");
-  if (UNITS[words.get("unit")]) element("unit").value = words.get("unit");
+  if (UNITS[words.get("unit")] && !about.photometric) element("unit").value = words.get("unit");
   element("scale-end").value = number("end") ?? short(shown.scaleEnd * unit()[1]);
   update();
 }

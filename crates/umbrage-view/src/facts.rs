@@ -78,7 +78,8 @@ pub(crate) fn about(loaded: &Loaded) -> Vec<Fact> {
     } else if let Some(error) = file.extras.get("error").and_then(serde_json::Value::as_f64) {
         facts.push(fact("error", format!("{:.2} % of the mean, between vertices, estimated", 100.0 * error)));
     }
-    facts.push(fact("exposure", format!("{} per W/(m² sr)", short(file.exposure_k))));
+    let radiance = if file.photometric { "cd/m²" } else { "W/(m² sr)" };
+    facts.push(fact("exposure", format!("{} per {radiance}", short(file.exposure_k))));
     facts
 }
 

@@ -173,6 +173,10 @@ impl Panel<'_> {
     fn scale(&mut self, ui: &mut Ui, loaded: &Loaded) {
         let controls = &mut *self.controls;
         ui.horizontal(|ui| {
+            if loaded.shown.file.photometric {
+                ui.label("lx");
+                return;
+            }
             for (unit, text, what) in [
                 (Unit::W, "W/m²", "As in the file"),
                 (Unit::Lx, "lx", "At 683 lm per W: for scenes whose light is in watts"),

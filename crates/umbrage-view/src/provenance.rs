@@ -17,6 +17,8 @@ const SAME_WAY: f64 = 0.999;
 
 /// What strengths are measured in, by degree.
 const UNITS: [&str; 3] = ["W/m²", "W/m³", "W/m⁴"];
+/// The same in a photometric scene.
+const PHOTOMETRIC_UNITS: [&str; 3] = ["lx", "lx/m", "lx/m²"];
 
 /// The patch at a point, and its history.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,7 +53,7 @@ pub(crate) fn provenance(scene: &Scene, meshed: &Meshed, point_m: DVec3, normal:
         patch: id,
         level: level_of(meshed, patch),
         area_m2: patch.area_m2,
-        cut: last.map(|cut| cut_in_words(meshed, cut)),
+        cut: last.map(|cut| cut_in_words(meshed, cut, if scene.photometric { PHOTOMETRIC_UNITS } else { UNITS })),
         hint,
         event: hint.map(|hint| Teller { scene, meshed }.event(meshed.discontinuities.segments[hint].event)),
     })
@@ -75,12 +77,12 @@ fn face_at(meshed: &Meshed, point_m: DVec3, normal: DVec3) -> Option<FaceId> {
     (away_m <= BESIDE * prepared.tolerance.extent_m).then_some(face)
 }
 
-fn cut_in_words(meshed: &Meshed, cut: Cut) -> String {
+fn cut_in_words(meshed: &Meshed, cut: Cut, units: [&str; 3]) -> String {
     match cut {
         Cut::EdgeHint(id) => {
             let segment = &meshed.discontinuities.segments[id];
             let degree = segment.degree.number();
-            format!("edge_split along d-segment {}: D{degree}, {:.3} {}", id.index(), segment.strength, UNITS[degree])
+            format!("edge_split along d-segment {}: D{degree}, {:.3} {}", id.index(), segment.strength, units[degree])
         }
         Cut::Points => "point_split, for its form factor or shape".into(),
         Cut::Triangle => "triangle_split, for its form factor".into(),
