@@ -83,6 +83,51 @@ fn a_file_that_does_not_fit_is_replaced_and_one_of_others_is_left() {
     assert_eq!(fs::read(&kept).unwrap(), b"my diary");
 }
 
+/// The checksum at the end of a kept file (IEEE 802.3).
+fn crc32(bytes: &[u8]) -> u32 {
+    let step = |crc: u32, byte: &u8| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| (crc >> 1) ^ if crc & 1 == 1 { 0xEDB8_8320 } else { 0 })
+    };
+    !bytes.iter().fold(!0, step)
+}
+
+#[test]
+fn a_forged_file_with_a_right_checksum_is_no_panic_and_what_it_says_is_not_believed() {
+    let bakes = Bakes::new("forged");
+    let kept = bakes.path("kept.umbrage");
+    let reuse = ["--reuse", kept.to_str().unwrap()];
+    let (plain, ..) = bakes.baked("plain.glb", &reuse);
+    let sound = fs::read(&kept).unwrap();
+    let (payload, checksum) = sound.split_at(sound.len() - 4);
+    assert_eq!(crc32(payload).to_le_bytes(), checksum, "the checksum is known");
+    let forge = |change: &dyn Fn(&mut [u8])| {
+        let mut forged = payload.to_vec();
+        change(&mut forged);
+        let checksum = crc32(&forged).to_le_bytes();
+        forged.extend(checksum);
+        fs::write(&kept, forged).unwrap();
+        bakes.baked("forged.glb", &reuse)
+    };
+    // Numbers that no light and no place can have, wherever numbers of eight bytes may begin.
+    let (mut anew, places) = (0, 24);
+    for number in 0..places {
+        let value = [1e308, f64::NAN, -1e308, f64::INFINITY][number % 4];
+        let place = 512 + number * (payload.len() - 600) / places;
+        let (glb, _, warned) = forge(&|bytes| bytes[place..place + 8].copy_from_slice(&value.to_le_bytes()));
+        if warned.contains("baked anew") {
+            assert!(glb == plain, "what is baked anew is the bake");
+            anew += 1;
+        } else {
+            assert!(warned.is_empty(), "{warned}");
+        }
+    }
+    assert!(anew > places / 4, "{anew} of {places} were found out");
+    // One of another layout.
+    let version = payload.windows(2).position(|two| two == b"0.").unwrap();
+    let (glb, _, warned) = forge(&|bytes| bytes[version + 6] = b'1');
+    assert!(glb == plain && warned.contains("another version") && warned.contains("baked anew"), "{warned}");
+}
+
 #[test]
 fn what_makes_no_sense_is_refused_before_the_bake() {
     let bakes = Bakes::new("refused");
