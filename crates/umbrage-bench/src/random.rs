@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 
 use clap::Args;
 use rayon::prelude::*;
-use umbrage_verify::random::{RandomScene, reduce};
+use umbrage_verify::random::reduce;
 
 use crate::measure::this_program;
 use crate::parts::Parts;
@@ -77,7 +77,7 @@ pub(crate) fn run(args: &RandomArgs) -> anyhow::Result<()> {
         }
         if let Some(folder) = &args.write {
             let path = folder.join(format!("{}-{}.obj", failure.told.0.replace(' ', "-"), failure.seed));
-            let random = RandomScene::new(failure.seed, args.settings.size());
+            let random = args.settings.scene(failure.seed);
             let scene = random.scene(|part| parts.as_ref().is_none_or(|(parts, _)| parts.has(part)));
             say(&format!("wrote {}", random_file::write(&scene, &path)?))?;
         }
@@ -87,10 +87,11 @@ pub(crate) fn run(args: &RandomArgs) -> anyhow::Result<()> {
 
 /// Bakes and judges a scene in a process of its own: what that dies of is a fault, too.
 fn in_a_process(settings: &RandomSettings, seed: u64, parts: Option<&Parts>) -> anyhow::Result<Answer> {
-    let RandomSettings { things, lamps, tolerance, limit } = settings;
+    let RandomSettings { things, lamps, tolerance, limit, degenerate } = settings;
     let mut command = Command::new(this_program()?);
     command.arg("random-one").arg(format!("--seed={seed}")).args(parts.map(|parts| format!("--parts={parts}")));
     command.arg(format!("--things={things}")).arg(format!("--lamps={lamps}"));
+    command.args(degenerate.then_some("--degenerate"));
     command.arg(format!("--tolerance={tolerance}")).arg(format!("--limit={limit}"));
     let output = command.stdin(Stdio::null()).output()?;
     let heard = String::from_utf8_lossy(&output.stderr);
@@ -116,7 +117,7 @@ fn reduced(settings: &RandomSettings, failure: &Failure) -> (Parts, String) {
         let told = answer.faults.into_iter().find(|told| told.0 == failure.told.0);
         told.map(|(_, what)| last = what).is_some()
     };
-    let groups = RandomScene::new(failure.seed, settings.size()).groups();
+    let groups = settings.scene(failure.seed).groups();
     (Parts::new(reduce(&groups, fails, REDUCING_BAKES)), last)
 }
 
@@ -162,7 +163,7 @@ fn summary(answers: &[Answer]) -> String {
 fn by_trait(args: &RandomArgs, seeds: &[u64], answers: &[Answer]) -> Table {
     let mut counts: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
     for (&seed, answer) in seeds.iter().zip(answers) {
-        for name in RandomScene::new(seed, args.settings.size()).traits {
+        for name in args.settings.scene(seed).traits {
             let [scenes, failed] = counts.entry(name).or_default();
             *scenes += 1;
             *failed += usize::from(!answer.faults.is_empty());

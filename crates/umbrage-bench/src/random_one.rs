@@ -21,6 +21,9 @@ pub(crate) const NOT_ENDED: i32 = 4;
 /// Processor time for judging, in seconds, beside that for the bake.
 pub(crate) const JUDGING_S: f64 = 120.0;
 
+/// More triangles for each polygon than this are too many in degenerate scenes.
+const TRIANGLES_OF_POLYGON: usize = 1000;
+
 /// What the processes of a run have in common.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct RandomSettings {
@@ -36,11 +39,18 @@ pub(crate) struct RandomSettings {
     /// Processor seconds that a bake may take
     #[arg(long, value_parser = crate::positive, default_value_t = 20.0)]
     pub(crate) limit: f64,
+    /// Tiny degenerate scenes instead: light is not compared with paths, and there may be no more than a thousand triangles for each polygon
+    #[arg(long)]
+    pub(crate) degenerate: bool,
 }
 
 impl RandomSettings {
-    pub(crate) fn size(&self) -> Size {
-        Size { things: self.things, lamps: self.lamps }
+    /// The scene of a seed.
+    pub(crate) fn scene(&self, seed: u64) -> RandomScene {
+        if self.degenerate {
+            return RandomScene::degenerate(seed);
+        }
+        RandomScene::new(seed, Size { things: self.things, lamps: self.lamps })
     }
 }
 
@@ -73,7 +83,7 @@ pub(crate) struct Answer {
 pub(crate) fn run(args: &RandomOneArgs) -> anyhow::Result<()> {
     let limit_s = args.settings.limit;
     end_after(limit_s + JUDGING_S);
-    let random = RandomScene::new(args.seed, args.settings.size());
+    let random = args.settings.scene(args.seed);
     let scene = random.scene(|part| args.parts.as_ref().is_none_or(|parts| parts.has(part)));
     let default = BakeSettings::default();
     let shade = ShadeSettings { tolerance: args.settings.tolerance, ..default.shade };
@@ -95,11 +105,15 @@ pub(crate) fn run(args: &RandomOneArgs) -> anyhow::Result<()> {
                 triangles: &triangles,
                 tolerance: args.settings.tolerance,
                 surplus: baked.report.energy.error(),
-                light: random.is_distinct(),
+                light: random.is_distinct() && !args.settings.degenerate,
                 warned: !baked.report.warnings.is_empty(),
             };
             if let Err(broken) = baked.mesh.validate() {
                 answer.faults.push(("broken mesh".into(), broken.to_string()));
+            }
+            let most = TRIANGLES_OF_POLYGON * answer.polygons;
+            if args.settings.degenerate && answer.triangles > most {
+                answer.faults.push(("triangles".into(), format!("{} of {}", answer.triangles, answer.polygons)));
             }
             let judgement = pool.install(|| judge(&judged))?;
             answer.faults.extend(baked.report.warnings.iter().map(|warning| ("warning".into(), warning.to_string())));

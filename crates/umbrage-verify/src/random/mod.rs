@@ -10,6 +10,7 @@
 //! Holds: a seed and a [`Size`] always make the same scene; every scene is valid but for a lamp's cones, of which the inner may
 //! be as wide as the outer.
 
+mod degenerate;
 mod lights;
 mod numbers;
 mod reduce;
@@ -59,6 +60,13 @@ impl RandomScene {
         let mut things = room::things(&mut numbers, size.things, &mut traits);
         let mut lamps = lights::lamps(&mut numbers, size.lamps, &mut things, &mut traits);
         place_in_world(&mut numbers, &mut things, &mut lamps, &mut traits);
+        Self { things, lamps, traits }
+    }
+
+    /// Makes the tiny degenerate scene of a seed, whose light no path tracer tells for sure.
+    pub fn degenerate(seed: u64) -> Self {
+        let (mut numbers, mut traits) = (Numbers::new(seed), BTreeSet::new());
+        let (things, lamps) = degenerate::things(&mut numbers, &mut traits);
         Self { things, lamps, traits }
     }
 
@@ -160,6 +168,19 @@ mod tests {
             traits.extend(random.traits);
         }
         assert_eq!(traits.len(), 25, "{traits:?}");
+    }
+
+    #[test]
+    fn degenerate_scenes_are_valid_tiny_and_of_all_kinds() {
+        let mut traits = BTreeSet::new();
+        for seed in 0..400 {
+            let random = RandomScene::degenerate(seed);
+            let scene = random.scene(|_| true);
+            assert_eq!(scene.validate(), Ok(()), "seed {seed}");
+            assert!(scene.polygon_count() <= 16 && scene.lamps.len() <= 2);
+            traits.extend(random.traits);
+        }
+        assert_eq!(traits.len(), 13, "{traits:?}");
     }
 
     #[test]
