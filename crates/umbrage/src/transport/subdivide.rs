@@ -333,7 +333,9 @@ mod tests {
         let prepared = furnished_room();
         for linking in [false, true] {
             let stop = move |update: crate::progress::Update| {
-                if (update.total > 0) == linking { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                // Patches are split in the first half of the stage, and linked in the second.
+                let is_linking = 2 * update.done >= update.total;
+                if is_linking == linking { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
             let mut mesh = Mesh::new(&prepared, &Table::new(), MeshSettings::default());
             let oracle = oracle(&prepared, 0.1, 0.01);
