@@ -34,7 +34,7 @@ pub struct Discontinuities {
     pub emitters: Table<EmitterId, Emitter>,
     /// The d-segments, by face and event.
     pub segments: Table<DSegmentId, DSegment>,
-    /// Those that are too weak to be among them, and not [`OF_DIM_PLACES`] times as weak: they count where light is dim.
+    /// Those that are too weak to be among them, and not `OF_DIM_PLACES` times as weak: they count where light is dim.
     pub faint: Vec<DSegment>,
     /// How many wedges were traced.
     pub wedges: usize,
