@@ -94,6 +94,11 @@ impl Layout {
         (self.size_m / side_m).ceil().max(DVec2::ONE).to_array().map(|count| count as u32)
     }
 
+    /// A point of the frame in space, in metres.
+    fn to_3d(&self, at: DVec2) -> DVec3 {
+        self.corner_m + at.x * self.axes[0] + at.y * self.axes[1]
+    }
+
     /// The size of a cell, in metres.
     fn cell_m(&self, count: [u32; 2]) -> DVec2 {
         self.size_m / DVec2::new(f64::from(count[0]), f64::from(count[1]))
@@ -112,7 +117,6 @@ impl Layout {
         let cell_m = self.cell_m(count);
         let sequence = Sequence::new(key_of(face.index(), Self::POINTS));
         let (mut texels, mut cells) = (Vec::new(), vec![u32::MAX; (count[0] * count[1]) as usize]);
-        let to_3d = |p: DVec2| self.corner_m + p.x * self.axes[0] + p.y * self.axes[1];
         for (number, cell) in cells.iter_mut().enumerate() {
             let part = self.part_of_cell(number as u32, count);
             let area_m2 = if part.len() < 3 { 0.0 } else { polygon::signed_area_2d_m2(&part) };
@@ -121,14 +125,14 @@ impl Layout {
             }
             let [s, t, ..] = sequence.at(number).map(f64::from);
             let middle = part.iter().sum::<DVec2>() / part.len() as f64;
-            let point_m = to_3d(polygon::point_of_2d(&part, s, t).lerp(middle, INSIDE));
+            let point_m = self.to_3d(polygon::point_of_2d(&part, s, t).lerp(middle, INSIDE));
             *cell = texels.len() as u32;
             texels.push(Texel { face, point_m, area_m2, cell: number as u32 });
         }
         if texels.is_empty() {
             let middle = self.outline_m.iter().sum::<DVec2>() / self.outline_m.len() as f64;
             let area_m2 = polygon::signed_area_2d_m2(&self.outline_m).max(0.0);
-            texels.push(Texel { face, point_m: to_3d(middle), area_m2, cell: 0 });
+            texels.push(Texel { face, point_m: self.to_3d(middle), area_m2, cell: 0 });
         }
         let known = cells.clone();
         for (number, cell) in cells.iter_mut().enumerate().filter(|(_, cell)| **cell == u32::MAX) {
@@ -203,7 +207,7 @@ impl TexelGrid {
     pub(crate) fn outline_m(&self, prepared: &Prepared, texel: &Texel) -> Vec<DVec3> {
         let layout = Layout::new(prepared, texel.face);
         let part = layout.part_of_cell(texel.cell, self.faces[texel.face].count);
-        part.into_iter().map(|at| layout.corner_m + at.x * layout.axes[0] + at.y * layout.axes[1]).collect()
+        part.into_iter().map(|at| layout.to_3d(at)).collect()
     }
 
     /// About how wide texels of large faces are, in metres.

@@ -13,7 +13,7 @@ mod ray_tree;
 mod sequence;
 mod sources;
 
-pub(crate) use next_event::{BrightTexels, NextEvents, density};
+pub(crate) use next_event::{BrightTexels, NextEvents};
 pub use radiosity::TexelRadiosity;
 pub(crate) use ray_tree::Ray;
 pub use ray_tree::RayTree;

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::grid::TexelGrid;
 use super::light_tree::{Cut, Light, LightTree};
-use super::ray_tree::RayTree;
+use super::ray_tree::{Ray, RayTree};
 use crate::geometry::polygon;
 use crate::id::FaceId;
 use crate::prepare::Prepared;
@@ -37,7 +37,8 @@ struct BrightTexel {
     normal: Vec3,
     corners_m: Vec<DVec3>,
     area_m2: f32,
-    /// The share of what it sends that is above the cap.
+    /// Mean of what it sends over the colours, in W/m2, and the share of that above the cap.
+    sent: f32,
     above: f32,
 }
 
@@ -48,8 +49,7 @@ pub(crate) struct BrightTexels {
     texels: Vec<BrightTexel>,
     /// The bright texel of each texel.
     of_texel: Vec<u32>,
-    /// Radiosity of all texels, in W/m2.
-    radiosity: Vec<Vec3>,
+    /// An event that brings less is sent by chance, in W/m2.
     least: f32,
 }
 
@@ -96,6 +96,7 @@ impl BrightTexels {
                 normal: prepared.normal(texel.face).as_vec3(),
                 area_m2: polygon::area_m2(&corners_m) as f32,
                 corners_m,
+                sent: light as f32,
                 above: (1.0 - cap / light) as f32,
             })
         };
@@ -106,7 +107,7 @@ impl BrightTexels {
             middle: (texel.corners_m.iter().sum::<DVec3>() / texel.corners_m.len() as f64).as_vec3(),
             radius_m,
             normal: Some(texel.normal),
-            power: texel.area_m2 * texel.above * mean_of(radiosity[texel.texel as usize]) as f32,
+            power: texel.area_m2 * texel.above * texel.sent,
         };
         let lights: Vec<Light> = found.iter().map(light).collect();
         let (tree, order) = LightTree::new(&lights);
@@ -115,7 +116,7 @@ impl BrightTexels {
         texels.iter().enumerate().for_each(|(number, texel)| of_texel[texel.texel as usize] = number as u32);
         tracing::debug!(bright = texels.len(), variance = (all - even) / (below - EVEN * even), "bright texels");
         let least = LEAST_OF_MEAN * mean as f32;
-        (!texels.is_empty()).then(|| Self { tree, texels, of_texel, radiosity: radiosity.to_vec(), least })
+        (!texels.is_empty()).then(|| Self { tree, texels, of_texel, least })
     }
 
     /// Next events for a place with these points, of which `per_ray` go with each ray; of at most `most` nodes of the tree.
@@ -125,14 +126,15 @@ impl BrightTexels {
 }
 
 impl NextEvents<'_> {
-    /// The share of what a ray brings from a texel that next events bring in its place, where rays meet it with this density by area.
-    pub(crate) fn share_of(&self, texel: usize, density: f32) -> f32 {
+    /// The share of what a ray over a surface with this normal brings from a texel so far away that next events bring in its place.
+    pub(crate) fn share_of(&self, texel: usize, normal: Vec3, ray: Ray, distance_m: f32) -> f32 {
         let number = self.bright.of_texel[texel];
         if number == NONE {
             return 0.0;
         }
         let bright = &self.bright.texels[number as usize];
         let of_events = self.per_ray * self.bright.tree.probability(&self.cut, number as usize) / bright.area_m2;
+        let density = density(normal.dot(ray.along), -bright.normal.dot(ray.along), 1.0) / (distance_m * distance_m);
         if of_events > 0.0 { bright.above * of_events / (density + of_events) } else { 0.0 }
     }
 
@@ -150,7 +152,7 @@ impl NextEvents<'_> {
         let density = density(received, sent, towards.length_squared());
         let of_events = self.per_ray * probability / bright.area_m2;
         let mut weight = bright.above * density / (density + of_events);
-        let brings = weight * self.bright.radiosity[bright.texel as usize].element_sum() / 3.0;
+        let brings = weight * bright.sent;
         if brings < self.bright.least {
             let is_sent = brings / self.bright.least;
             if chance >= is_sent {
@@ -165,14 +167,13 @@ impl NextEvents<'_> {
 }
 
 /// The density by area with which rays by the cosine meet a place, in 1/m2, for its heights over both planes in metres.
-pub(crate) fn density(received: f32, sent: f32, squared_m2: f32) -> f32 {
+fn density(received: f32, sent: f32, squared_m2: f32) -> f32 {
     received * sent / (PI * squared_m2 * squared_m2).max(f32::MIN_POSITIVE)
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::radiosity::TexelRadiosity;
-    use super::super::ray_tree::Ray;
     use super::super::sequence::{Sequence, key_of};
     use super::super::sources::Start;
     use super::*;
@@ -202,8 +203,7 @@ mod tests {
             if let Some((face, distance_m)) = tree.first(ray).and_then(|hit| Some((hit.front?, hit.distance_m))) {
                 let texel = light.grid.texel_at(face, ray.from + distance_m * ray.along);
                 brought = light.reflected[texel].x;
-                let sent = -ray.along.dot(light.normals[face]);
-                share = events.share_of(texel, density(ray.along.dot(normal), sent, 1.0) / distance_m.powi(2));
+                share = events.share_of(texel, normal, ray, distance_m);
             }
             let of_event = |number: usize| {
                 let event = events.draw(tree, start.from, normal, sequence.more_at(number));

@@ -8,7 +8,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::grid::TexelGrid;
-use super::next_event::{BrightTexels, density};
+use super::next_event::BrightTexels;
 use super::ray_tree::{Ray, RayTree};
 use super::sequence::{Draws, Sequence, key_of};
 use super::sources::{Sources, Start};
@@ -60,8 +60,6 @@ pub struct TexelRadiosity {
     pub(crate) rough: Vec<bool>,
     /// Reflectance of each face.
     pub(crate) reflectance: Table<FaceId, Vec3>,
-    /// Unit normal of each face.
-    pub(crate) normals: Table<FaceId, Vec3>,
     /// Mean irradiance over all faces that show it, in W/m2.
     pub(crate) mean: Rgb,
     /// What the last bounce changed, as a share of all light.
@@ -107,7 +105,6 @@ impl TexelRadiosity {
         let reflects = |number: usize, light: Vec3| reflectance[texels[number].face] * light;
         let mut reflected: Vec<Vec3> = direct.iter().enumerate().map(|(i, &light)| reflects(i, light)).collect();
         let bright = BrightTexels::new(prepared, &grid, &reflected, WORTH_EVENTS);
-        let normals: Table<FaceId, Vec3> = prepared.faces.keys().map(|face| prepared.normal(face).as_vec3()).collect();
         let hits = (0..texels.len())
             .into_par_iter()
             .map(|number| {
@@ -118,7 +115,7 @@ impl TexelRadiosity {
                     return Ok(([NOTHING; RAYS], Vec3::ZERO));
                 }
                 let start = start(number);
-                Ok(bounce(tree, &grid, &start, key_of(number, OF_BOUNCES), (&reflected, bright.as_ref()), &normals))
+                Ok(bounce(tree, &grid, &start, key_of(number, OF_BOUNCES), (&reflected, bright.as_ref())))
             })
             .collect::<Result<Vec<([u32; RAYS], Vec3)>, Cancelled>>()?;
         let mut indirect = vec![Vec3::ZERO; texels.len()];
@@ -152,7 +149,7 @@ impl TexelRadiosity {
         let rough = rough(prepared, &grid, &direct);
         let mean = power / area_m2.max(f64::MIN_POSITIVE);
         tracing::debug!(texels = texels.len(), bounces, residual, "texels");
-        Ok(Self { grid, direct, indirect, reflected, rough, reflectance, normals, mean, residual, bounces })
+        Ok(Self { grid, direct, indirect, reflected, rough, reflectance, mean, residual, bounces })
     }
 }
 
@@ -164,7 +161,6 @@ fn bounce(
     start: &Start,
     key: u64,
     (first, bright): (&[Vec3], Option<&BrightTexels>),
-    normals: &Table<FaceId, Vec3>,
 ) -> ([u32; RAYS], Vec3) {
     let (sequence, normal) = (Sequence::new(key), start.axes[2]);
     let events = bright.map(|bright| bright.events(&[start.from], normal, EVENTS as f32 / RAYS as f32, NODES_OF_CUT));
@@ -177,9 +173,7 @@ fn bounce(
         };
         let texel = grid.texel_at(face, ray.from + distance_m * ray.along);
         if let Some(events) = &events {
-            let [received, sent] = [ray.along.dot(normal), -ray.along.dot(normals[face])];
-            let density = density(received, sent, 1.0) / (distance_m * distance_m);
-            by_events -= events.share_of(texel, density) * first[texel];
+            by_events -= events.share_of(texel, normal, ray, distance_m) * first[texel];
         }
         texel as u32
     });

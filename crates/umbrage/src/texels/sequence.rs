@@ -22,14 +22,18 @@ impl Sequence {
 
     /// A point of the unit cube in four dimensions.
     pub(crate) fn at(&self, number: usize) -> [f32; 4] {
-        let seed = mix(self.key ^ ((number / POINTS_OF_SEED) as u64) << 40) as u32;
-        sobol_burley::sample_4d((number % POINTS_OF_SEED) as u32, 0, seed)
+        self.dimensions(number, 0)
     }
 
     /// Four numbers more that belong to the same point.
     pub(crate) fn more_at(&self, number: usize) -> [f32; 4] {
+        self.dimensions(number, 1)
+    }
+
+    /// One set of four dimensions of a point.
+    fn dimensions(&self, number: usize, set: u32) -> [f32; 4] {
         let seed = mix(self.key ^ ((number / POINTS_OF_SEED) as u64) << 40) as u32;
-        sobol_burley::sample_4d((number % POINTS_OF_SEED) as u32, 1, seed)
+        sobol_burley::sample_4d((number % POINTS_OF_SEED) as u32, set, seed)
     }
 }
 

@@ -6,9 +6,7 @@ use crate::geometry::polygon;
 use crate::id::{FaceId, PatchId};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
-use crate::texels::{
-    BrightTexels, Draws, NextEvents, Ray, RayTree, Sequence, Sources, Start, TexelRadiosity, density, key_of,
-};
+use crate::texels::{BrightTexels, Draws, NextEvents, Ray, RayTree, Sequence, Sources, Start, TexelRadiosity, key_of};
 use crate::visibility::Visibility;
 
 /// What a ray meets nearer than so many texels is looked at closely where direct light varies: its texel is too coarse.
@@ -129,10 +127,7 @@ impl Gathering<'_> {
         let point = ray.from + hit.distance_m * ray.along;
         let texel = self.light.grid.texel_at(face, point);
         let light = self.sent(face, texel, point, hit.distance_m, draws);
-        let of_events = events.map_or(0.0, |events| {
-            let [received, sent] = [start.axes[2], -self.light.normals[face]].map(|normal| normal.dot(ray.along));
-            events.share_of(texel, density(received, sent, 1.0) * nearness * nearness)
-        });
+        let of_events = events.map_or(0.0, |events| events.share_of(texel, start.axes[2], ray, hit.distance_m));
         ((1.0 - of_events) * light, nearness)
     }
 
