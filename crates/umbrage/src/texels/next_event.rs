@@ -116,7 +116,7 @@ impl BrightTexels {
         texels.iter().enumerate().for_each(|(number, texel)| of_texel[texel.texel as usize] = number as u32);
         tracing::debug!(bright = texels.len(), variance = (all - even) / (below - EVEN * even), "bright texels");
         let least = LEAST_OF_MEAN * mean as f32;
-        (!texels.is_empty()).then(|| Self { tree, texels, of_texel, least })
+        (!texels.is_empty()).then_some(Self { tree, texels, of_texel, least })
     }
 
     /// Next events for a place with these points, of which `per_ray` go with each ray; of at most `most` nodes of the tree.
