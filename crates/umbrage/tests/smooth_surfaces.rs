@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use proptest::prelude::*;
 use umbrage::bake::{BakeSettings, bake};
-use umbrage::id::{MaterialId, NodeId};
+use umbrage::id::{MaterialId, NodeId, SurfaceId};
 use umbrage::prepare::{Prepared, prepare};
 use umbrage::progress::Progress;
 use umbrage::scene::{Lamp, LampKind, Material, Node, Rgb, Scene, Surface};
@@ -268,5 +268,22 @@ proptest! {
             prop_assert!(light.len() == 1, "{} lights at {:?}", light.len(), place.map(f32::from_bits));
         }
         prop_assert!(part.irradiance.iter().any(|light| light[0] > 0.5));
+    }
+}
+
+#[test]
+fn the_account_of_a_lamp_is_of_the_facets_that_its_rays_meet() {
+    // What coarse facets show by curved normals is more than falls on them; no light is lost or won for that.
+    for (rings, sectors) in [(3, 4), (4, 6), (6, 9)] {
+        let position_m = DVec3::new(0.6, 0.4, 1.3);
+        let mut scene = scene(grey(), LampKind::Point { position_m, intensity: Rgb::ONE, range_m: None });
+        ball(&mut scene.surfaces[SurfaceId::from(0)], rings, sectors, |_, _| 1.0);
+        let report = bake(&scene, &BakeSettings::default(), Progress::silent()).unwrap().report;
+        let account = &report.lamps[0];
+        assert!(
+            account.rays > 300 && account.error().abs() < 0.02,
+            "{} for {rings} rings: {account:?}",
+            account.error()
+        );
     }
 }

@@ -3,6 +3,9 @@
 //! What it sends is followed by rays from the lamp ([`crate::transport::LightSent`]); what surfaces get is summed over the triangles
 //! that are shown. The two share nothing, so a circle of light that no triangle shows is told here. Vertices show all light together,
 //! and a little more or less than there is ([`super::element`]); a lamp has the same share of it as of the light.
+//! Light by the normals of a curved surface is more or less than falls on its facets; the account is of the facets.
+
+use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
@@ -10,6 +13,7 @@ use super::element::Element;
 use super::field::{Places, Values};
 use crate::id::{FaceId, LampId, PatchId, Table};
 use crate::mesh::Mesh;
+use crate::prepare::Prepared;
 use crate::scene::{Rgb, Scene};
 use crate::transport::{DirectLight, LampFate, LightSent};
 use crate::visibility::ReceiverPoint;
@@ -73,6 +77,7 @@ impl LampAccount {
 
 /// What is shown: the mesh, its elements by patch, the true values, and the shifts of those that are shown.
 pub(super) struct Shown<'a> {
+    pub(super) prepared: &'a Prepared,
     pub(super) mesh: &'a Mesh,
     pub(super) places: &'a Places<'a>,
     pub(super) elements: &'a [Vec<Element>],
@@ -83,13 +88,22 @@ pub(super) struct Shown<'a> {
 /// A vertex, and the area times the share of its light that it stands for, in square metres.
 type Weighted = (ReceiverPoint, f64);
 
+/// A vertex by its number; of a smooth face, its corner on that face.
+type Corner = (u32, Option<FaceId>);
+
 impl Shown<'_> {
+    /// The vertices of leaves. A smooth face shows light by its curved normal, and rays meet its facets: what a facet gets is told
+    /// at its corners as if it were flat.
     fn vertices(&self, leaves: &[PatchId]) -> Vec<Weighted> {
-        let mut weights = vec![0.0; self.values.as_slice().len()];
-        let mut points: Vec<Option<ReceiverPoint>> = vec![None; weights.len()];
+        let mut weights: BTreeMap<Corner, f64> = BTreeMap::new();
+        let mut points: Vec<Option<ReceiverPoint>> = vec![None; self.values.as_slice().len()];
         for &leaf in leaves {
+            let face = self.mesh.patch(leaf).face;
+            let smooth = self.prepared.is_smooth(face).then_some(face);
             for element in self.elements.get(leaf.index()).into_iter().flatten() {
-                element.corners().iter().for_each(|&corner| weights[corner as usize] += element.area_m2 / 3.0);
+                for corner in element.corners() {
+                    *weights.entry((corner, smooth)).or_default() += element.area_m2 / 3.0;
+                }
             }
             for at in self.mesh.boundary(leaf) {
                 let vertex = self.places.vertex(self.mesh, leaf, at.vertex);
@@ -102,9 +116,15 @@ impl Shown<'_> {
             let (value, shift) = (self.values.as_slice()[number], self.shifts.get(number).copied().unwrap_or_default());
             if value.element_sum() > 0.0 { 1.0 + shift.element_sum() / value.element_sum() } else { 1.0 }
         };
-        let weighted =
-            |(number, point): (usize, Option<ReceiverPoint>)| Some((point?, weights[number] * shown_of_true(number)));
-        points.into_iter().enumerate().filter_map(weighted).collect()
+        let weighted = |((number, smooth), weight): (Corner, f64)| {
+            let point = points[number as usize]?;
+            let flat = |face| ReceiverPoint {
+                beside_jump: point.beside_jump,
+                ..ReceiverPoint::on_flat_face(self.prepared, face, point.position_m)
+            };
+            Some((smooth.map_or(point, flat), weight * shown_of_true(number as usize)))
+        };
+        weights.into_iter().filter_map(weighted).collect()
     }
 }
 

@@ -266,7 +266,7 @@ pub fn shade(
         refine(mesh, &places, &mut total, Values::default(), receives, whole, of_shown)?;
     // At borders points may lie in a patch beside the one that they are of: for these all is looked at.
     total.direct = Direct::new(direct);
-    let shown = Shown { mesh, places: &places, elements: &elements, values: &values, shifts: &shifts };
+    let shown = Shown { prepared, mesh, places: &places, elements: &elements, values: &values, shifts: &shifts };
     let lamps = lamp_accounts(scene, direct, &sent, &shown, is_shown);
     values.shift(&shifts);
     let uncut = mesh.remove_d0_hints_within(most);
