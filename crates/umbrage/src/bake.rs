@@ -349,14 +349,16 @@ pub(crate) fn show(
         _ => Table::new(),
     };
 
-    let irradiance;
+    let (irradiance, bright);
     let indirect = match &texels {
         Some((tree, light)) => IndirectLight::Sampled { visibility, tree, light },
         None => {
             irradiance = Irradiance::new(prepared, visibility, mesh, &solution.reflected, mean)
                 .coarser(settings.coarser_to_be_shown())
                 .with_memory(before.gathered());
-            IndirectLight::Gathered { irradiance: &irradiance, bounced: &bounced }
+            let least = settings.shade.tolerance * mean.element_sum() / 3.0;
+            bright = shade::reflected_places(&irradiance, &solution, &surfaces, least);
+            IndirectLight::Gathered { irradiance: &irradiance, bright: &bright, bounced: &bounced }
         }
     };
     let mean = mean.element_sum() / 3.0;

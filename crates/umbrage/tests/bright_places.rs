@@ -10,7 +10,7 @@ use common::build::{add, box_faces, quad, room_faces};
 use common::{Lit, lit_triangles};
 use glam::DVec3;
 use proptest::prelude::*;
-use umbrage::bake::{Bake, BakeSettings, bake};
+use umbrage::bake::{Bake, BakeSettings, GatherKind, bake};
 use umbrage::progress::Progress;
 use umbrage::scene::{Lamp, LampKind, Material, Rgb, Scene};
 use umbrage::shade::{LampDefect, ShadeSettings};
@@ -143,9 +143,12 @@ fn all_accent_spots_of_a_hall_are_lit() {
     }
 }
 
-/// A black hall with a thin wall that has a hole of 20 cm, 1 m before a lamp at (1, 1.5, 1.5).
-fn behind_a_hole() -> Scene {
-    let mut scene = room(DVec3::new(8.0, 3.0, 3.0), 0.0);
+/// A black hall with a thin wall that has a hole of 20 cm, 1 m before a lamp at (1, 1.5, 1.5). Its end on the side of the lamp reflects.
+fn behind_a_hole(of_end: f64) -> Scene {
+    let mut scene = Scene::default();
+    let [z0, z1, y0, y1, end, x1] = <[_; 6]>::try_from(room_faces(DVec3::ZERO, DVec3::new(8.0, 3.0, 3.0))).unwrap();
+    add(&mut scene, Material::diffuse("hall", Rgb::ZERO), &[z0, z1, y0, y1, x1]);
+    add(&mut scene, Material::diffuse("end", Rgb::splat(of_end)), &[end]);
     let panel = |low: [f64; 2], high: [f64; 2]| {
         let at = |y: f64, z: f64| DVec3::new(2.0, y, z);
         vec![at(low[0], low[1]), at(high[0], low[1]), at(high[0], high[1]), at(low[0], high[1])]
@@ -161,10 +164,10 @@ fn behind_a_hole() -> Scene {
 fn light_through_a_hole_arrives() {
     let beyond = |t: &Lit| t.corners.iter().all(|p| p.x > 1.999) && t.corners.iter().any(|p| p.x > 2.001);
     let (half, root) = (0.1_f64, 1.01_f64.sqrt());
-    let mut of_bulb = behind_a_hole();
+    let mut of_bulb = behind_a_hole(0.0);
     of_bulb.lamps.push(bulb(DVec3::new(1.0, 1.5, 1.5)));
     let solid_angle = 4.0 * (half * half / (1.0 + 2.0 * half * half).sqrt()).atan();
-    let mut of_led = behind_a_hole();
+    let mut of_led = behind_a_hole(0.0);
     let (side_m, exitance) = (0.01, 100.0);
     let led = quad(DVec3::new(1.0, 1.5, 1.5), 0.5 * side_m * DVec3::Y, 0.5 * side_m * DVec3::Z);
     add(&mut of_led, Material::emitting("led", Rgb::splat(exitance / PI)), &[led]);
@@ -173,6 +176,42 @@ fn light_through_a_hole_arrives() {
     for (scene, expected) in [(of_bulb, solid_angle), (of_led, exitance * side_m * side_m * factor)] {
         let shown = flux_w(&baked(&scene, 0.02), beyond);
         assert!((shown / expected - 1.0).abs() < 0.03, "{shown} is not {expected}");
+    }
+}
+
+#[test]
+fn light_that_a_small_circle_reflects_through_a_hole_arrives() {
+    let (reflectance, from_m, half_rad) = (0.5, 1.9, 0.05_f64);
+    // Radiosity of the circle is that of a spot of 1 W/sr, and what leaves goes through the hole at 2 m.
+    for (y, z) in [(1.5, 1.5), (2.3, 1.9), (0.7, 2.4)] {
+        let mut scene = behind_a_hole(reflectance);
+        scene.lamps.push(spot(DVec3::new(from_m, y, z), DVec3::NEG_X, [half_rad, half_rad * (1.0 + 1e-9)]));
+        let even = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
+        let radius_m = from_m * half_rad.tan();
+        let of_circle = (0..400).map(|i| {
+            let (away_m, (sine, cosine)) = (radius_m * even(i, 400).sqrt(), (2.4 * i as f64).sin_cos());
+            let squared_m2 = from_m * from_m + away_m * away_m;
+            let radiance = reflectance / PI * from_m / squared_m2.powf(1.5);
+            let of_hole = (0..400).map(|j| {
+                let [v, w] = [1.4 + 0.2 * even(j / 20, 20), 1.4 + 0.2 * even(j % 20, 20)];
+                let across_m2 = (v - y - away_m * cosine).powi(2) + (w - z - away_m * sine).powi(2);
+                4.0 / (4.0 + across_m2).powi(2)
+            });
+            radiance * of_hole.sum::<f64>() * 0.04 / 400.0
+        });
+        let expected = of_circle.sum::<f64>() * PI * radius_m * radius_m / 400.0;
+        // Of its own light the spot beyond may err by ten tolerances.
+        for gather in [GatherKind::Faces, GatherKind::Regression] {
+            let default = BakeSettings::default();
+            let settings =
+                BakeSettings { gather, shade: ShadeSettings { tolerance: 0.02, ..default.shade }, ..default };
+            let bake = bake(&scene, &settings, Progress::silent()).unwrap();
+            let beyond = |t: &Lit| t.corners.iter().all(|p| p.x > 1.999) && t.corners.iter().any(|p| p.x > 2.001);
+            let shown = flux_w(&bake, beyond);
+            assert!((shown / expected - 1.0).abs() < 0.1, "{shown} is not {expected} for {gather:?} at {y}, {z}");
+            assert!(bake.report.triangles < 10_000, "{} triangles for {gather:?}", bake.report.triangles);
+            assert!(bake.report.energy.error().abs() < 1e-2, "{} for {gather:?}", bake.report.energy.error());
+        }
     }
 }
 

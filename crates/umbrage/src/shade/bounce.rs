@@ -20,6 +20,7 @@ use super::bounced::{BouncedLight, Evenness};
 use super::bright_leaves::BrightLeaves;
 use super::field::Places;
 use super::irradiance::{Irradiance, Terms};
+use super::reflected_places::reflected_places;
 use crate::id::{PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
@@ -114,7 +115,17 @@ pub fn bounce(
         let reflected = lit_at_least(&looked_at, surfaces, least);
         let light = Irradiance::new(prepared, visibility, &sources, &reflected, mean).coarser(bouncing.coarser);
         let light = light.with_memory(known.map_or(Memory::None, Memory::Known));
-        let evenness = Evenness { reflectance: &surfaces.reflectance, tolerance: bouncing.tolerance, in_middles_alone };
+        let least = bouncing.tolerance * light.mean;
+        let bright = match in_middles_alone {
+            true => Vec::new(),
+            false => reflected_places(&light, &looked_at, surfaces, least),
+        };
+        let evenness = Evenness {
+            reflectance: &surfaces.reflectance,
+            tolerance: bouncing.tolerance,
+            bright: &bright,
+            in_middles_alone,
+        };
         bounced_light = BouncedLight::gather(bounced_light, mesh, &places, &light, evenness, to_gather)?;
         let has_split = mesh.patch_count() > sources.patch_count();
         if has_split {

@@ -22,7 +22,7 @@ use crate::id::{PatchId, Table};
 use crate::mesh::Mesh;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::Rgb;
-use crate::transport::Linear;
+use crate::transport::{BrightPlace, Linear, PlacesOfLeaves};
 use crate::visibility::{AtPoints, ReceiverPoint};
 
 /// Points between two reports of progress.
@@ -47,6 +47,8 @@ pub(super) struct Evenness<'a> {
     pub(super) reflectance: &'a Table<PatchId, Rgb>,
     /// The tolerance of the whole, as a share of the mean irradiance.
     pub(super) tolerance: f64,
+    /// Small places that are known to be bright.
+    pub(super) bright: &'a [BrightPlace],
     /// Whether to gather in the middles of leaves alone, and split none.
     pub(super) in_middles_alone: bool,
 }
@@ -95,10 +97,15 @@ impl BouncedLight {
         let mut bounced = Self::default();
         let area_m2: f64 = mesh.leaves().map(|leaf| mesh.patch(leaf).area_m2).sum();
         let target = (UNEVEN_OF_TOLERANCE * evenness.tolerance * light.mean).powi(2) * area_m2;
+        let mut bright = PlacesOfLeaves::new(mesh, evenness.bright);
         for round in 0..=MOST_ROUNDS {
             bounced.look_at_leaves(&before, mesh, places, light, evenness, progress)?;
             let leaves: Vec<PatchId> = mesh.leaves().collect();
-            let uneven: Vec<(PatchId, f64)> = leaves.iter().map(|leaf| (*leaf, bounced.leaves[leaf].uneven)).collect();
+            let uneven = |&leaf: &PatchId| {
+                let missed = bounced.missed(mesh, leaf, &bright.of(leaf), light, evenness.reflectance);
+                (leaf, bounced.leaves[&leaf].uneven + missed)
+            };
+            let uneven: Vec<(PatchId, f64)> = leaves.iter().map(uneven).collect();
             let total: f64 = uneven.iter().map(|(_, uneven)| uneven).sum();
             tracing::debug!(leaves = leaves.len(), uneven = (total / area_m2).sqrt() / light.mean, "leaves");
             if evenness.in_middles_alone || round == MOST_ROUNDS || !target.is_finite() || total <= target {
@@ -110,6 +117,7 @@ impl BouncedLight {
             if marked.into_iter().filter(|&leaf| mesh.split(leaf)).count() == 0 {
                 break;
             }
+            bright.hand_down(mesh);
         }
         Ok(bounced)
     }
@@ -216,6 +224,33 @@ impl BouncedLight {
         let plain = least_within(&mut others, budget);
         uneven.extend(others[plain..].iter().map(|(leaf, _)| *leaf));
         uneven
+    }
+
+    /// Integral over a leaf of the square of how much less light its points tell of than falls on its bright places, as it is
+    /// reflected, in W2/m2.
+    fn missed(
+        &self,
+        mesh: &Mesh,
+        leaf: PatchId,
+        bright: &[&BrightPlace],
+        light: &Irradiance<'_>,
+        reflectance: &Table<PatchId, Rgb>,
+    ) -> f64 {
+        if bright.is_empty() {
+            return 0.0;
+        }
+        let patch = mesh.patch(leaf);
+        let (frame, looked_at) = (mesh.frame(patch.face), &self.leaves[&leaf]);
+        let value = |number: u32| light.sum_of(&self.points[number as usize].1);
+        let corners: SmallVec<[(DVec2, Rgb); 4]> =
+            looked_at.corners.iter().map(|&(offset_m, number)| (offset_m, value(number))).collect();
+        let linear = over_leaf(value(looked_at.in_middle), &corners);
+        let middle_m = frame.to_2d(patch.centroid_m);
+        let squared = |place: &&BrightPlace| {
+            let missed = (place.irradiance - linear.at(frame.to_2d(place.point_m) - middle_m)).max(Rgb::ZERO);
+            place.area_m2.min(patch.area_m2) * (missed * missed).element_sum() / 3.0
+        };
+        reflectance[mesh.root(patch.face)].max_element().powi(2) * bright.iter().map(squared).sum::<f64>()
     }
 
     fn terms(&self, spot: &Spot) -> Option<&Terms> {
@@ -379,7 +414,7 @@ mod tests {
         let (sources, before) = (mesh.clone(), mesh.leaves().count());
         let light = Irradiance::new(&prepared, &visibility, &sources, &reflected, Rgb::ONE);
         let reflectance: Table<PatchId, Rgb> = vec![Rgb::splat(0.5); mesh.patch_count()].into();
-        let evenness = Evenness { reflectance: &reflectance, tolerance: 0.01, in_middles_alone: false };
+        let evenness = Evenness { reflectance: &reflectance, tolerance: 0.01, bright: &[], in_middles_alone: false };
         let (places, nothing) = (Places::new(&prepared), BouncedLight::default());
         let silent = Progress::silent();
         let bounced = BouncedLight::gather(nothing, &mut mesh, &places, &light, evenness, silent).unwrap();

@@ -26,7 +26,7 @@ use crate::id::{ClusterId, FaceId, PatchId, Table};
 use crate::mesh::{Mesh, Patch};
 use crate::prepare::Prepared;
 use crate::scene::Rgb;
-use crate::transport::Linear;
+use crate::transport::{BrightPlace, Linear};
 use crate::visibility::{FlatSource, Memory, ReceiverPoint, Visibility};
 
 /// A patch that could not bring more than this share of the mean irradiance is weak: what a few rays err about the part of
@@ -248,13 +248,17 @@ fn crowds(
     })
 }
 
-/// Indirect light as a field.
+/// Indirect light as a field, and the places that are known to be bright.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Indirect<'a>(pub(super) &'a Irradiance<'a>);
+pub(super) struct Indirect<'a>(pub(super) &'a Irradiance<'a>, pub(super) &'a [BrightPlace]);
 
 impl Field for Indirect<'_> {
     fn at(&self, _: &Mesh, point: &ReceiverPoint, _: PatchId) -> Rgb {
         self.0.indirect(point)
+    }
+
+    fn bright_places(&self) -> &[BrightPlace] {
+        self.1
     }
 }
 

@@ -22,6 +22,7 @@ mod part;
 mod plain;
 mod refine;
 mod reflected;
+mod reflected_places;
 mod regression;
 mod rim;
 #[expect(clippy::module_inception, reason = "the module's main function is named like the module")]
@@ -33,5 +34,6 @@ pub use bounce::{Bouncing, Room, bounce};
 pub use irradiance::{Irradiance, Terms};
 pub use lamp_account::{LampAccount, LampDefect};
 pub use local_light::{LocalLight, negligible};
+pub use reflected_places::reflected_places;
 pub(crate) use regression::least_of_fit_m;
 pub use shade::{IndirectLight, ShadeLight, ShadeMeshes, ShadeSettings, Shaded, shade, within};

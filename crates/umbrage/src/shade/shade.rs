@@ -18,7 +18,7 @@ use super::lamp_account::{LampAccount, Shown, lamp_accounts};
 use super::local_light::LocalLight;
 use super::plain::plain_faces;
 use super::refine::{Interpolation, RefineSettings, Refined, refine};
-use super::regression::{FittedLight, Gathering, RegressionSettings, regress};
+use super::regression::{FittedLight, Gathering, RegressionSettings, bright_places, regress};
 use crate::id::{FaceId, PatchId};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
@@ -163,6 +163,8 @@ pub enum IndirectLight<'a> {
     Gathered {
         /// What gathers it.
         irradiance: &'a Irradiance<'a>,
+        /// Small places that are known to be bright.
+        bright: &'a [BrightPlace],
         /// What points of the patches that it bounced on see of each other.
         bounced: &'a AtPoints<Terms>,
     },
@@ -221,8 +223,10 @@ pub fn shade(
     cut_first(mesh, most);
     let mean = indirect.mean();
     let [of_indirect, of_shown, of_triangles] = SHARES.map(|[from, to]| progress.part(Stage::Shade, [from, to]));
+    let sent = direct.light_sent();
+    let mut bright = sent.places.clone();
     let light = match indirect {
-        IndirectLight::Gathered { irradiance, bounced } => {
+        IndirectLight::Gathered { irradiance, bright: of_reflected, bounced } => {
             let smooth = RefineSettings {
                 interpolation: Interpolation::Quadratic,
                 tolerance: INDIRECT_SHARE * settings.tolerance,
@@ -232,21 +236,29 @@ pub fn shade(
             let tolerances = [smooth.tolerance, settings.tolerance].map(|tolerance| tolerance * mean);
             let (plain, known) = plain_faces(gathering, &places, irradiance, bounced, tolerances, of_indirect)?;
             let is_not_plain = |mesh: &Mesh, patch: PatchId| plain[mesh.patch(patch).face].is_none();
-            let field = &mut irradiance::Indirect(irradiance);
+            let field = &mut irradiance::Indirect(irradiance, of_reflected);
             let gathered = refine(gathering, &places, field, known, is_not_plain, smooth, of_indirect)?;
+            bright.extend(of_reflected);
             Indirect::Interpolated(Interpolated::new(gathering, &gathered, &plain))
         }
         IndirectLight::Sampled { visibility, tree, light } => {
             let sources = Sources::new(scene, prepared, direct, tree);
-            let bright = BrightTexels::new(prepared, &light.grid, &light.reflected, WORTH_EVENTS);
-            let from = Gathering { prepared, visibility, tree, sources: &sources, light, bright: bright.as_ref() };
-            let settings = RegressionSettings { tolerance: settings.tolerance, mean };
+            let events = BrightTexels::new(prepared, &light.grid, &light.reflected, WORTH_EVENTS);
+            let from = Gathering { prepared, visibility, tree, sources: &sources, light, bright: events.as_ref() };
+            // Without next events texels are too noisy to tell.
+            let least = if from.bright.is_some() { settings.tolerance * mean } else { f64::INFINITY };
+            let texels = bright_places(light, least);
+            let settings = RegressionSettings { tolerance: settings.tolerance, mean, bright: &texels };
             let weight = |face: FaceId| match scene.surfaces[prepared.faces[face].surface].baked {
                 true if prepared.shows_light(scene, face) => 1.0,
                 true => WEIGHT_OF_EMITTERS,
                 false => 0.0,
             };
-            Indirect::Fitted(Box::new(regress(from, gathering.clone(), &places, weight, settings, of_indirect)?))
+            let fitted = regress(from, gathering.clone(), &places, weight, settings, of_indirect)?;
+            let fitted_at =
+                |place: &BrightPlace| BrightPlace { irradiance: fitted.at(place.point_m, place.face), ..*place };
+            bright.extend(texels.iter().map(fitted_at));
+            Indirect::Fitted(Box::new(fitted))
         }
     };
     let (samples, of_fit) = match &light {
@@ -254,8 +266,7 @@ pub fn shade(
         Indirect::Fitted(light) => (Some(light.samples), if mean > 0.0 { light.error } else { 0.0 }),
         Indirect::Interpolated(_) => (None, 0.0),
     };
-    let sent = direct.light_sent();
-    let mut total = Total { direct: Direct::new(direct), indirect: light, bright: &sent.places, local };
+    let mut total = Total { direct: Direct::new(direct), indirect: light, bright: &bright, local };
     let whole = RefineSettings {
         interpolation: Interpolation::Linear,
         tolerance: LINEAR_SHARE * settings.tolerance,

@@ -13,6 +13,7 @@ mod ray_tree;
 mod sequence;
 mod sources;
 
+pub(crate) use grid::Texel;
 pub(crate) use next_event::{BrightTexels, NextEvents};
 pub use radiosity::TexelRadiosity;
 pub(crate) use ray_tree::Ray;

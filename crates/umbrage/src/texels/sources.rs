@@ -109,6 +109,7 @@ pub(crate) struct Sources<'a> {
 struct Bare<'b> {
     light: Rgb,
     to: Target<'b>,
+    lamp: Option<LampId>,
 }
 
 /// Where shadow rays go.
@@ -149,9 +150,11 @@ impl<'a> Sources<'a> {
         Self { placed, lights, distant, direct, tree }
     }
 
-    /// An unbiased estimate of the direct irradiance at a point, from `rays` shadow rays to each source that matters.
-    pub(crate) fn irradiance(&self, start: &Start, rays: usize, mut draw: impl FnMut() -> f32) -> Rgb {
-        let bare = self.bare(start, &mut draw);
+    /// An unbiased estimate of the direct irradiance at a point, from `rays` shadow rays to each source that matters, of all sources
+    /// but some lamps.
+    pub(crate) fn irradiance(&self, start: &Start, but: &[LampId], rays: usize, mut draw: impl FnMut() -> f32) -> Rgb {
+        let mut bare = self.bare(start, &mut draw);
+        bare.retain(|bare| bare.lamp.is_none_or(|lamp| !but.contains(&lamp)));
         let all: f64 = bare.iter().map(|bare| bare.light.element_sum()).sum();
         let is_weak = |bare: &Bare<'_>| bare.light.element_sum() < MIN_SHARE * all;
         let (weak, strong): (Vec<&Bare<'_>>, Vec<&Bare<'_>>) =
@@ -195,14 +198,18 @@ impl<'a> Sources<'a> {
             Source::Area(source) => {
                 let faces = source.normal.dot(position_m - source.corners_m[0]) > 0.0;
                 let factor = if faces { point_to_polygon(position_m, normal, &source.corners_m) } else { 0.0 };
-                (factor > 0.0).then(|| Bare { light: weight * factor * source.exitance, to: Target::Area(source) })
+                (factor > 0.0).then(|| Bare {
+                    light: weight * factor * source.exitance,
+                    to: Target::Area(source),
+                    lamp: None,
+                })
             }
         }
     }
 
     fn bare_of_lamp(&self, start: &Start, lamp: LampId, weight: f64) -> Option<Bare<'_>> {
         let (light, to_m) = self.direct.unoccluded_lamp(lamp, &start.receiver)?;
-        Some(Bare { light: weight * light, to: Target::Point(to_m) })
+        Some(Bare { light: weight * light, to: Target::Point(to_m), lamp: Some(lamp) })
     }
 
     /// The share of a source's light that rays see.
@@ -323,7 +330,7 @@ mod tests {
             let mut draws = Draws::new(key_of(i, 9));
             let light = match one {
                 true => sources.irradiance_from_one(&start, || draws.next()),
-                false => sources.irradiance(&start, 2, || draws.next()),
+                false => sources.irradiance(&start, &[], 2, || draws.next()),
             };
             light.x
         };

@@ -7,7 +7,10 @@
 //! are linear over patches that may be large. Links carry what is reflected.
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use smallvec::SmallVec;
 
+use crate::geometry::polygon;
 use crate::id::{FaceId, LampId, PatchId, Table};
 use crate::mesh::Mesh;
 use crate::prepare::Prepared;
@@ -23,7 +26,6 @@ use super::near_emitters::{EmitterExtent, ReceivingPatch};
 use super::obstacles::{MOST_EMITTERS, Obstacles};
 use super::sample;
 use super::seen::{KnownHere, SourceMemory, SourcesSeen};
-use rayon::prelude::*;
 
 /// A convex part of emitting faces, named by one of them.
 #[derive(Clone, Debug)]
@@ -227,6 +229,20 @@ impl<'a> DirectLight<'a> {
     pub fn of_lamp(&self, lamp: LampId, receiver: &ReceiverPoint) -> Rgb {
         let known = self.memory.at(receiver).and_then(|known| known.sees(lamp));
         self.lamps.of_one(lamp, self.visibility, receiver, known).unwrap_or_default()
+    }
+
+    /// The lamps whose light one point does not tell over a small polygon around it that lies within a radius, in metres.
+    pub(crate) fn untold_by_point(&self, face: FaceId, point_m: DVec3, radius_m: f64) -> SmallVec<[LampId; 4]> {
+        self.lamps.untold_by_point(&self.prepared.oriented_plane(face), point_m, radius_m)
+    }
+
+    /// Mean irradiance that a lamp brings to a convex polygon of a face, in W/m2.
+    pub(crate) fn mean_of_lamp(&self, lamp: LampId, face: FaceId, corners_m: Vec<DVec3>) -> Rgb {
+        let area_m2 = polygon::area_m2(&corners_m);
+        let polygon = SourcePolygon::on_face(self.prepared, face, corners_m);
+        let polygon = FlatSource::new(&polygon, self.prepared.face_frame(face));
+        let flux_w = self.lamps.flux_w(lamp, self.visibility, &polygon);
+        if area_m2 > 0.0 { flux_w / area_m2 } else { Rgb::ZERO }
     }
 
     /// The lamps.

@@ -3,9 +3,11 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
+use smallvec::SmallVec;
 
 use super::lamp_flux;
 use super::near_surface::{self, SPREAD_OF_EXTENT, SpreadDisc};
+use crate::geometry::Plane;
 use crate::id::{LampId, PlaneId, Table};
 use crate::prepare::Prepared;
 use crate::scene::{Lamp, LampKind, Rgb, Scene};
@@ -112,22 +114,17 @@ impl Lamps {
     /// The lamps whose light samples of a polygon do not tell: it is large as seen from them, or from where their cone or range ends.
     pub(super) fn uneven_over(&self, polygon: &FlatSource, middle_m: DVec3) -> impl Iterator<Item = LampId> {
         let radius_m = polygon.corners_m.iter().map(|&p| polygon.frame.to_3d(p).distance(middle_m)).fold(0.0, f64::max);
-        let is_uneven = move |lamp: &Lamp| {
-            let Some(position_m) = lamp.position_m() else { return false };
-            let distance_m = position_m.distance(middle_m);
-            if polygon.frame.plane.signed_distance_m(position_m) <= 0.0 {
-                return false;
-            }
-            let across_m = match lamp.kind {
-                LampKind::Spot { outer_rad, .. } => distance_m * outer_rad.min(1.0),
-                LampKind::Point { .. } | LampKind::Directional { .. } => distance_m,
-            };
-            // Beyond its cone and its range it does not shine at all.
-            radius_m > NEAR * across_m && may_light(lamp, middle_m, radius_m)
-        };
+        let is_uneven = |lamp: &Lamp| is_near(lamp, &polygon.frame.plane, middle_m, radius_m);
         let uneven: Vec<LampId> =
             self.lamps.iter_enumerated().filter(|(_, lamp)| is_uneven(lamp)).map(|(id, _)| id).collect();
         uneven.into_iter()
+    }
+
+    /// The same of a small polygon that lies within a ball around a point of it, and that a single point would stand for: the cone of
+    /// a spot may end in it, too.
+    pub(super) fn untold_by_point(&self, plane: &Plane, point_m: DVec3, radius_m: f64) -> SmallVec<[LampId; 4]> {
+        let is_untold = |lamp: &Lamp| is_near(lamp, plane, point_m, radius_m) || cone_ends_in(lamp, point_m, radius_m);
+        self.lamps.iter_enumerated().filter(|(_, lamp)| is_untold(lamp)).map(|(id, _)| id).collect()
     }
 
     /// Flux that a lamp sends into the part of a polygon that it sees, in W.
@@ -140,6 +137,30 @@ impl Lamps {
 
 /// A polygon with a radius of more than this share of its distance from a lamp is lit unevenly.
 const NEAR: f64 = 0.3;
+
+/// Whether a polygon in a plane that lies within a ball is large as seen from a lamp, or from where the lamp's cone ends.
+fn is_near(lamp: &Lamp, plane: &Plane, middle_m: DVec3, radius_m: f64) -> bool {
+    let Some(position_m) = lamp.position_m() else { return false };
+    let squared_m2 = position_m.distance_squared(middle_m);
+    let of_distance = match lamp.kind {
+        LampKind::Spot { outer_rad, .. } => outer_rad.min(1.0),
+        LampKind::Point { .. } | LampKind::Directional { .. } => 1.0,
+    };
+    // Beyond its cone and its range it does not shine at all.
+    radius_m * radius_m > (NEAR * of_distance).powi(2) * squared_m2
+        && plane.signed_distance_m(position_m) > 0.0
+        && may_light(lamp, middle_m, radius_m)
+}
+
+/// Whether the light of a spot ends within a ball, or falls by much there.
+fn cone_ends_in(lamp: &Lamp, middle_m: DVec3, radius_m: f64) -> bool {
+    let LampKind::Spot { position_m, direction, inner_rad, outer_rad, .. } = lamp.kind else { return false };
+    let to_middle_m = middle_m - position_m;
+    let distance_m = to_middle_m.length();
+    let (off_rad, within_rad) = (direction.angle_between(to_middle_m), radius_m / distance_m);
+    let soft_rad = outer_rad - inner_rad;
+    off_rad - within_rad < outer_rad && off_rad + within_rad > inner_rad && within_rad > NEAR * soft_rad
+}
 
 /// Whether a lamp may shine into a ball.
 fn may_light(lamp: &Lamp, middle_m: DVec3, radius_m: f64) -> bool {

@@ -8,6 +8,7 @@ use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
+use super::bright::split_around;
 use super::element::{Element, ElementEquations, NODES, SMOOTHING, element_at, equations};
 use super::evidence::{Classes, Evidence, Judged, Pool};
 use super::normal_equations::{Part, solve};
@@ -21,6 +22,7 @@ use crate::scene::Rgb;
 use crate::shade::element::Outlined;
 use crate::shade::field::{MeshPoint, Places};
 use crate::texels::TexelRadiosity;
+use crate::transport::BrightPlace;
 
 /// Noise and misfit may be this share of the tolerance; what is left is for interpolation between vertices.
 const SHARE_OF_TOLERANCE: f64 = 0.85;
@@ -85,11 +87,13 @@ impl FittedLight {
 
 /// How finely light is fitted.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RegressionSettings {
+pub(crate) struct RegressionSettings<'a> {
     /// Root mean square error of all that is shown over the mean irradiance.
     pub(crate) tolerance: f64,
     /// That mean, in W/m2.
     pub(crate) mean: f64,
+    /// Small places that are known to be bright.
+    pub(crate) bright: &'a [BrightPlace],
 }
 
 /// A leaf and what is known of it.
@@ -121,7 +125,7 @@ pub(crate) fn regress(
     mut mesh: Mesh,
     places: &Places<'_>,
     weight: impl Fn(FaceId) -> f64 + Sync,
-    RegressionSettings { tolerance, mean }: RegressionSettings,
+    RegressionSettings { tolerance, mean, bright }: RegressionSettings<'_>,
     progress: Progress<'_>,
 ) -> Result<FittedLight, Cancelled> {
     let has_events = gathering.bright.is_some();
@@ -134,6 +138,7 @@ pub(crate) fn regress(
     // Area counts as errors on it do.
     let counted_m2 = |mesh: &Mesh, leaf: PatchId| weight(mesh.patch(leaf).face) * mesh.patch(leaf).area_m2;
     let area_m2: f64 = receiving(&mesh).iter().map(|&leaf| counted_m2(&mesh, leaf)).sum();
+    split_around(&mut mesh, bright, LEAST_OF_ALL * area_m2);
     let allowed = (SHARE_OF_TOLERANCE * tolerance * mean).powi(2) * area_m2;
     let mut price = f64::INFINITY;
     let (mut error, mut drawn) = (0.0, 0);

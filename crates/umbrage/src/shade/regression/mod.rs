@@ -18,6 +18,7 @@
 //! So the noise of hundreds of rays of a neighbourhood is averaged, and never paid for at a point. What a ray sees depends mostly on where
 //! it goes: constants for classes of directions are fitted beside the function, which takes most of the noise out.
 
+mod bright;
 mod element;
 mod evidence;
 mod fit;
@@ -25,5 +26,6 @@ mod normal_equations;
 mod plan;
 mod sample;
 
+pub(crate) use bright::bright_places;
 pub(crate) use fit::{FittedLight, RegressionSettings, least_of_fit_m, regress};
 pub(crate) use sample::Gathering;
