@@ -21,7 +21,7 @@ pub struct MethodArgs {
     #[arg(long, value_name = "METHOD", default_value_t)]
     method: Method,
     /// Refine triangles until the light between vertices errs by this share of the mean light; `none`: not at all [default:
-    /// 0.01; in scenes of more than 5,000 polygons more, in proportion, up to 0.1]
+    /// 0.01; in scenes of more than 5,000 polygons more, in proportion, up to 0.05]
     #[arg(long, value_name = "T", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Make no more triangles than N, where they lessen the error most; refused where the shapes alone need more [default: as
@@ -269,7 +269,7 @@ mod tests {
         let method = Command::parse_from(["bake"]).method;
         assert_eq!(format!("{:?}", method.settings(5_000).unwrap()), format!("{:?}", BakeSettings::default()));
         let tolerances = [10_497, 35_458, 99_407].map(|polygons| method.settings(polygons).unwrap().shade.tolerance);
-        assert_eq!(tolerances, [0.021, 0.071, 0.1]);
+        assert_eq!(tolerances, [0.021, 0.05, 0.05]);
         let asked = Command::parse_from(["bake", "--tolerance", "0.02"]).method.settings(99_407).unwrap();
         assert_eq!(asked.shade.tolerance, 0.02);
     }

@@ -27,7 +27,7 @@ const BRIGHT: f64 = 4.0;
 const MOST_SOURCES: usize = 32;
 /// And only the brightest that have no more than so many pairs of a corner and an edge of the scene: what they add goes with the
 /// power of a source, and what it takes with the number of its pairs.
-const MOST_PAIRS: usize = 1_000_000;
+const MOST_PAIRS: usize = 250_000;
 
 /// The d-segments of what reflects much, given all patches that are not split: those that change irradiance by at least
 /// `least`, in W/m2, over the width of their face, and those of parts much more. Events of a part of a face name

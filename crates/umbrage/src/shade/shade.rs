@@ -52,7 +52,7 @@ const WORTH_EVENTS: f64 = 2.5;
 
 /// Up to so many polygons the default tolerance is the one of a room; with more it grows in proportion, up to the greatest.
 const POLYGONS_OF_ROOM: usize = 5_000;
-const GREATEST_DEFAULT: f64 = 0.1;
+const GREATEST_DEFAULT: f64 = 0.05;
 
 /// How finely light is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]

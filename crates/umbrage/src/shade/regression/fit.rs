@@ -47,7 +47,7 @@ const LEAST_SPREAD: f64 = 0.02;
 /// No more rounds, samples and leaves.
 const MAX_ROUNDS: usize = 30;
 const MAX_SAMPLES: f64 = 16e6;
-const MAX_LEAVES: usize = 150_000;
+const MAX_LEAVES: usize = 300_000;
 /// Squared relative residual of the equations, between rounds and at the end.
 const RESIDUALS: [f64; 2] = [1e-4, 1e-6];
 
