@@ -114,7 +114,7 @@ fn shade(bencher: Bencher<'_, '_>, name: &str) {
     let gathered = Irradiance::new(prepared, visibility, mesh, &solution.reflected, mean);
     // No bounces went before: all is gathered.
     let bounced = AtPoints::new(Vec::new());
-    let indirect = IndirectLight::Gathered { irradiance: &gathered, bounced: &bounced };
+    let indirect = IndirectLight::Gathered { irradiance: &gathered, bright: &[], bounced: &bounced };
     let mean = mean.element_sum() / 3.0;
     let local = LocalLight::new(scene, (prepared, visibility), mesh, &solution.irradiance, mean);
     let light = ShadeLight { direct: &direct, indirect, local: &local };

@@ -26,7 +26,8 @@ const BRIGHT: f64 = 4.0;
 /// Of more sources the brightest are taken, by power.
 const MOST_SOURCES: usize = 32;
 /// And only the brightest that have no more than so many pairs of a corner and an edge of the scene: what they add goes with the
-/// power of a source, and what it takes with the number of its pairs.
+/// power of a source, and what it takes with the number of its pairs. With a million, a room of 103,960 polygons took 44 CPU s where it
+/// takes 30, for one per cent of its triangles.
 const MOST_PAIRS: usize = 250_000;
 
 /// The d-segments of what reflects much, given all patches that are not split: those that change irradiance by at least
