@@ -21,6 +21,8 @@ pub(super) struct Lamps {
     outside_m: f64,
     /// Where the light of each is spread, on surfaces that it nearly touches.
     discs: Table<LampId, Vec<SpreadDisc>>,
+    /// Cosines of the outer and the inner half angle of each spot.
+    cones: Table<LampId, Option<[f64; 2]>>,
     /// A plane that no face lies in.
     no_plane: PlaneId,
 }
@@ -35,7 +37,12 @@ impl Lamps {
         let spread_m = SPREAD_OF_EXTENT * prepared.tolerance.extent_m;
         let discs = |lamp: &Lamp| near_surface::discs(lamp, prepared, visibility, no_plane, spread_m);
         let discs = lamps.raw.par_iter().map(discs).collect::<Vec<_>>().into();
-        Self { lamps, outside_m: DIAGONAL_OF_EXTENT * prepared.tolerance.extent_m, discs, no_plane }
+        let cosines = |lamp: &Lamp| match lamp.kind {
+            LampKind::Spot { inner_rad, outer_rad, .. } => Some([outer_rad, inner_rad].map(f64::cos)),
+            LampKind::Point { .. } | LampKind::Directional { .. } => None,
+        };
+        let cones = lamps.iter().map(cosines).collect();
+        Self { lamps, outside_m: DIAGONAL_OF_EXTENT * prepared.tolerance.extent_m, discs, cones, no_plane }
     }
 
     /// The lamps.
@@ -123,8 +130,11 @@ impl Lamps {
     /// The same of a small polygon that lies within a ball around a point of it, and that a single point would stand for: the cone of
     /// a spot may end in it, too.
     pub(super) fn untold_by_point(&self, plane: &Plane, point_m: DVec3, radius_m: f64) -> SmallVec<[LampId; 4]> {
-        let is_untold = |lamp: &Lamp| is_near(lamp, plane, point_m, radius_m) || cone_ends_in(lamp, point_m, radius_m);
-        self.lamps.iter_enumerated().filter(|(_, lamp)| is_untold(lamp)).map(|(id, _)| id).collect()
+        let is_untold = |id: LampId, lamp: &Lamp| {
+            is_near(lamp, plane, point_m, radius_m)
+                || self.cones[id].is_some_and(|cone| cone_ends_in(lamp, cone, point_m, radius_m))
+        };
+        self.lamps.iter_enumerated().filter(|&(id, lamp)| is_untold(id, lamp)).map(|(id, _)| id).collect()
     }
 
     /// Flux that a lamp sends into the part of a polygon that it sees, in W.
@@ -152,14 +162,15 @@ fn is_near(lamp: &Lamp, plane: &Plane, middle_m: DVec3, radius_m: f64) -> bool {
         && may_light(lamp, middle_m, radius_m)
 }
 
-/// Whether the light of a spot ends within a ball, or falls by much there.
-fn cone_ends_in(lamp: &Lamp, middle_m: DVec3, radius_m: f64) -> bool {
-    let LampKind::Spot { position_m, direction, inner_rad, outer_rad, .. } = lamp.kind else { return false };
+/// Whether the light of a spot ends within a ball, or falls by much there: with a slope of no more than 1, cosines tell of angles.
+fn cone_ends_in(lamp: &Lamp, [outer, inner]: [f64; 2], middle_m: DVec3, radius_m: f64) -> bool {
+    let LampKind::Spot { position_m, direction, .. } = lamp.kind else { return false };
     let to_middle_m = middle_m - position_m;
     let distance_m = to_middle_m.length();
-    let (off_rad, within_rad) = (direction.angle_between(to_middle_m), radius_m / distance_m);
-    let soft_rad = outer_rad - inner_rad;
-    off_rad - within_rad < outer_rad && off_rad + within_rad > inner_rad && within_rad > NEAR * soft_rad
+    let (cosine, within_rad) = (direction.dot(to_middle_m) / distance_m, radius_m / distance_m);
+    cosine + within_rad > outer
+        && cosine - within_rad < inner
+        && within_rad > NEAR * (inner.acos() - outer.acos()).abs()
 }
 
 /// Whether a lamp may shine into a ball.
