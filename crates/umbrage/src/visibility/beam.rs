@@ -139,6 +139,9 @@ pub type Between = SmallVec<[FaceId; 32]>;
 /// what is seen.
 const SLACK_OF_SOURCE: f64 = 4e-9;
 
+/// Past no more faces than this their shadows are found sooner than a ray tells which of them takes all.
+const FEW: usize = 4;
+
 impl Visibility {
     /// The view of a source's plane from a point, where the plane's front can be seen at all.
     pub fn view(&self, receiver: &ReceiverPoint, source: &FlatSource) -> Option<PlaneView> {
@@ -154,11 +157,26 @@ impl Visibility {
         among: Option<&[FaceId]>,
     ) -> Seen {
         let Some(beam) = self.beam(receiver, view, source) else { return Seen::default() };
+        if among.is_none_or(|among| among.len() > FEW) && self.one_takes_all(&beam, source, among) {
+            return Seen::default();
+        }
         let mut thrown = Thrown::default();
         if self.throw_near(&beam, &mut thrown).is_continue() {
             self.walk_beam(&beam, among, |face| self.throw(&beam, &beam.window, face, &mut thrown));
         }
         beam.less(thrown)
+    }
+
+    /// Whether the face that stops a ray to the middle of a beam takes all of it: one ray for a source behind a wall, in place of the
+    /// shadows of all faces on the way.
+    fn one_takes_all(&self, beam: &Beam<'_>, source: &FlatSource, among: Option<&[FaceId]>) -> bool {
+        if beam.receiver.near.is_some() {
+            return false;
+        }
+        let outline = &beam.window.outline;
+        let to_m = source.frame.to_3d(outline.iter().sum::<DVec2>() / outline.len() as f64);
+        let stopper = self.stopper(beam.receiver, to_m, Some(source.plane), among);
+        stopper.is_some_and(|face| self.throw(beam, &beam.window, face, &mut Thrown::default()).is_break())
     }
 
     /// The beam from a point over what of a source is above its horizon; `None` where that is nothing.
