@@ -23,9 +23,9 @@ use crate::visibility::{FirstMet, ReceiverPoint};
 const RAYS: usize = 1 << 14;
 /// A patch and those around it are one source, as long as they reflect on average this share of what it does.
 const AS_BRIGHT: f64 = 0.5;
-/// A place that is not so many times as bright as its face on average is found by points of the face, too: it is an eighth of it or more.
+/// A place is looked at from so many times the mean of its face on: what is less bright is a large part of it, which points of the face find.
 const OF_FACE: f64 = 4.0;
-/// Places of more than this share of all are looked at; of more candidates every second, third and so on.
+/// So many candidates are looked at, at most; of more, every second, third and so on.
 const MOST_LOOKED_AT: usize = 256;
 /// A ray of so many extents of the scene leaves it.
 const LEAVES_EXTENTS: f64 = 2.0;
