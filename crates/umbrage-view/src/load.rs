@@ -227,7 +227,7 @@ mod tests {
         let by_size = Job { tolerance_by_size: true, ..asked.clone() };
         let tolerances = |job: &Job| [1, 10_497, 99_407].map(|polygons| job.settings_for(polygons).shade.tolerance);
         assert_eq!(tolerances(&asked), [f64::INFINITY; 3]);
-        assert_eq!(tolerances(&by_size), [0.01, 0.021, 0.1]);
+        assert_eq!(tolerances(&by_size), [0.01, 0.021, 0.05]);
         let baked = load(&by_size, Progress::silent(), &|_| {}).unwrap().baked.unwrap();
         assert_eq!(baked.settings.shade.tolerance, 0.01);
     }
