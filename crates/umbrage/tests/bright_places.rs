@@ -16,8 +16,12 @@ use umbrage::scene::{Lamp, LampKind, Material, Rgb, Scene};
 use umbrage::shade::{LampDefect, ShadeSettings};
 
 fn baked(scene: &Scene, tolerance: f64) -> Bake {
+    baked_by(GatherKind::default(), scene, tolerance)
+}
+
+fn baked_by(gather: GatherKind, scene: &Scene, tolerance: f64) -> Bake {
     let default = BakeSettings::default();
-    let settings = BakeSettings { shade: ShadeSettings { tolerance, ..default.shade }, ..default };
+    let settings = BakeSettings { gather, shade: ShadeSettings { tolerance, ..default.shade }, ..default };
     bake(scene, &settings, Progress::silent()).unwrap()
 }
 
@@ -160,9 +164,12 @@ fn behind_a_hole(of_end: f64) -> Scene {
     scene
 }
 
+fn is_beyond_the_hole(t: &Lit) -> bool {
+    t.corners.iter().all(|p| p.x > 1.999) && t.corners.iter().any(|p| p.x > 2.001)
+}
+
 #[test]
 fn light_through_a_hole_arrives() {
-    let beyond = |t: &Lit| t.corners.iter().all(|p| p.x > 1.999) && t.corners.iter().any(|p| p.x > 2.001);
     let (half, root) = (0.1_f64, 1.01_f64.sqrt());
     let mut of_bulb = behind_a_hole(0.0);
     of_bulb.lamps.push(bulb(DVec3::new(1.0, 1.5, 1.5)));
@@ -174,7 +181,7 @@ fn light_through_a_hole_arrives() {
     // Lambert's factor of a point under the middle of the hole.
     let factor = 4.0 / (2.0 * PI) * 2.0 * half / root * (half / root).atan();
     for (scene, expected) in [(of_bulb, solid_angle), (of_led, exitance * side_m * side_m * factor)] {
-        let shown = flux_w(&baked(&scene, 0.02), beyond);
+        let shown = flux_w(&baked(&scene, 0.02), is_beyond_the_hole);
         assert!((shown / expected - 1.0).abs() < 0.03, "{shown} is not {expected}");
     }
 }
@@ -182,7 +189,7 @@ fn light_through_a_hole_arrives() {
 #[test]
 fn light_that_a_small_circle_reflects_through_a_hole_arrives() {
     let (reflectance, from_m, half_rad) = (0.5, 1.9, 0.05_f64);
-    // Radiosity of the circle is that of a spot of 1 W/sr, and what leaves goes through the hole at 2 m.
+    // Radiosity of the circle is that of a spot of 1 W/sr, and its light goes through the hole at 2 m.
     for (y, z) in [(1.5, 1.5), (2.3, 1.9), (0.7, 2.4)] {
         let mut scene = behind_a_hole(reflectance);
         scene.lamps.push(spot(DVec3::new(from_m, y, z), DVec3::NEG_X, [half_rad, half_rad * (1.0 + 1e-9)]));
@@ -202,12 +209,8 @@ fn light_that_a_small_circle_reflects_through_a_hole_arrives() {
         let expected = of_circle.sum::<f64>() * PI * radius_m * radius_m / 400.0;
         // Of its own light the spot beyond may err by ten tolerances.
         for gather in [GatherKind::Faces, GatherKind::Regression] {
-            let default = BakeSettings::default();
-            let settings =
-                BakeSettings { gather, shade: ShadeSettings { tolerance: 0.02, ..default.shade }, ..default };
-            let bake = bake(&scene, &settings, Progress::silent()).unwrap();
-            let beyond = |t: &Lit| t.corners.iter().all(|p| p.x > 1.999) && t.corners.iter().any(|p| p.x > 2.001);
-            let shown = flux_w(&bake, beyond);
+            let bake = baked_by(gather, &scene, 0.02);
+            let shown = flux_w(&bake, is_beyond_the_hole);
             assert!((shown / expected - 1.0).abs() < 0.1, "{shown} is not {expected} for {gather:?} at {y}, {z}");
             assert!(bake.report.triangles < 10_000, "{} triangles for {gather:?}", bake.report.triangles);
             assert!(bake.report.energy.error().abs() < 1e-2, "{} for {gather:?}", bake.report.energy.error());

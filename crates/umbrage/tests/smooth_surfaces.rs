@@ -273,7 +273,7 @@ proptest! {
 
 #[test]
 fn the_account_of_a_lamp_is_of_the_facets_that_its_rays_meet() {
-    // What coarse facets show by curved normals is more than falls on them; no light is lost or won for that.
+    // Coarse facets show more by curved normals than falls on them; no light is lost or won for that.
     for (rings, sectors) in [(3, 4), (4, 6), (6, 9)] {
         let position_m = DVec3::new(0.6, 0.4, 1.3);
         let mut scene = scene(grey(), LampKind::Point { position_m, intensity: Rgb::ONE, range_m: None });

@@ -80,6 +80,14 @@ struct BouncedLeaf {
     uneven: f64,
 }
 
+impl BouncedLeaf {
+    /// The values in its middle and at its corners, these with their offsets from the centroid, in metres.
+    fn values(&self, value: impl Fn(u32) -> Rgb) -> (Rgb, SmallVec<[(DVec2, Rgb); 4]>) {
+        let corners = self.corners.iter().map(|&(offset_m, number)| (offset_m, value(number))).collect();
+        (value(self.in_middle), corners)
+    }
+}
+
 impl BouncedLight {
     /// Gathers at all leaves of `mesh`, and splits those over which the light is uneven. What was gathered `before` is taken, and
     /// renewed where it is not as good now.
@@ -241,10 +249,8 @@ impl BouncedLight {
         }
         let patch = mesh.patch(leaf);
         let (frame, looked_at) = (mesh.frame(patch.face), &self.leaves[&leaf]);
-        let value = |number: u32| light.sum_of(&self.points[number as usize].1);
-        let corners: SmallVec<[(DVec2, Rgb); 4]> =
-            looked_at.corners.iter().map(|&(offset_m, number)| (offset_m, value(number))).collect();
-        let linear = over_leaf(value(looked_at.in_middle), &corners);
+        let (in_middle, corners) = looked_at.values(|number| light.sum_of(&self.points[number as usize].1));
+        let linear = over_leaf(in_middle, &corners);
         let middle_m = frame.to_2d(patch.centroid_m);
         let squared = |place: &&BrightPlace| {
             let missed = (place.irradiance - linear.at(frame.to_2d(place.point_m) - middle_m)).max(Rgb::ZERO);
@@ -260,10 +266,7 @@ impl BouncedLight {
     /// Mean square of how far the light of a leaf departs from a linear function, times the square of the share of its view that
     /// near patches fill.
     fn uneven_nearby(&self, leaf: &BouncedLeaf, light: &Irradiance<'_>) -> f64 {
-        let value = |number: u32| light.sum_of(&self.points[number as usize].1);
-        let in_middle = value(leaf.in_middle);
-        let corners: SmallVec<[(DVec2, Rgb); 4]> =
-            leaf.corners.iter().map(|&(offset_m, number)| (offset_m, value(number))).collect();
+        let (in_middle, corners) = leaf.values(|number| light.sum_of(&self.points[number as usize].1));
         let linear = over_leaf(in_middle, &corners);
         let squared = |value: Rgb| (value * value).element_sum() / 3.0;
         let at_corners = corners.iter().map(|&(offset_m, value)| squared(value - linear.at(offset_m)));
@@ -307,10 +310,7 @@ impl BouncedLight {
         let crowds = light.crowds_of(radiosity);
         let values: Vec<Rgb> = self.points.par_iter().map(|(_, terms)| terms.sum(radiosity, &crowds)).collect();
         let over = |(&patch, leaf): (&PatchId, &BouncedLeaf)| {
-            let value = |number: u32| values[number as usize];
-            let corners: SmallVec<[(DVec2, Rgb); 4]> =
-                leaf.corners.iter().map(|&(offset_m, number)| (offset_m, value(number))).collect();
-            let in_middle = value(leaf.in_middle);
+            let (in_middle, corners) = leaf.values(|number| values[number as usize]);
             let is_plain = corners.is_empty();
             let plain = || Linear { mean: in_middle, gradient: slope(patch) };
             (patch, if is_plain { plain() } else { over_leaf(in_middle, &corners) })

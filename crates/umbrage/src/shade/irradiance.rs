@@ -250,15 +250,18 @@ fn crowds(
 
 /// Indirect light as a field, and the places that are known to be bright.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Indirect<'a>(pub(super) &'a Irradiance<'a>, pub(super) &'a [BrightPlace]);
+pub(super) struct Indirect<'a> {
+    pub(super) light: &'a Irradiance<'a>,
+    pub(super) bright: &'a [BrightPlace],
+}
 
 impl Field for Indirect<'_> {
     fn at(&self, _: &Mesh, point: &ReceiverPoint, _: PatchId) -> Rgb {
-        self.0.indirect(point)
+        self.light.indirect(point)
     }
 
     fn bright_places(&self) -> &[BrightPlace] {
-        self.1
+        self.bright
     }
 }
 

@@ -5,8 +5,6 @@
 //! and a little more or less than there is ([`super::element`]); a lamp has the same share of it as of the light.
 //! Light by the normals of a curved surface is more or less than falls on its facets; the account is of the facets.
 
-use std::collections::BTreeMap;
-
 use rayon::prelude::*;
 
 use super::element::Element;
@@ -92,18 +90,16 @@ type Weighted = (ReceiverPoint, f64);
 type Corner = (u32, Option<FaceId>);
 
 impl Shown<'_> {
-    /// The vertices of leaves. A smooth face shows light by its curved normal, and rays meet its facets: what a facet gets is told
+    /// The vertices of leaves. A smooth face shows light by its curved normal, and rays meet its facets: the light of a facet is told
     /// at its corners as if it were flat.
     fn vertices(&self, leaves: &[PatchId]) -> Vec<Weighted> {
-        let mut weights: BTreeMap<Corner, f64> = BTreeMap::new();
+        let mut corners: Vec<(Corner, f64)> = Vec::new();
         let mut points: Vec<Option<ReceiverPoint>> = vec![None; self.values.as_slice().len()];
         for &leaf in leaves {
             let face = self.mesh.patch(leaf).face;
             let smooth = self.prepared.is_smooth(face).then_some(face);
             for element in self.elements.get(leaf.index()).into_iter().flatten() {
-                for corner in element.corners() {
-                    *weights.entry((corner, smooth)).or_default() += element.area_m2 / 3.0;
-                }
+                corners.extend(element.corners().map(|corner| ((corner, smooth), element.area_m2 / 3.0)));
             }
             for at in self.mesh.boundary(leaf) {
                 let vertex = self.places.vertex(self.mesh, leaf, at.vertex);
@@ -116,7 +112,11 @@ impl Shown<'_> {
             let (value, shift) = (self.values.as_slice()[number], self.shifts.get(number).copied().unwrap_or_default());
             if value.element_sum() > 0.0 { 1.0 + shift.element_sum() / value.element_sum() } else { 1.0 }
         };
-        let weighted = |((number, smooth), weight): (Corner, f64)| {
+        // Stable: areas are added up in the order of the leaves.
+        corners.par_sort_by_key(|&(corner, _)| corner);
+        let weighted = |of_one: &[(Corner, f64)]| {
+            let (number, smooth) = of_one.first()?.0;
+            let weight: f64 = of_one.iter().map(|(_, area_m2)| area_m2).sum();
             let point = points[number as usize]?;
             let flat = |face| ReceiverPoint {
                 beside_jump: point.beside_jump,
@@ -124,7 +124,7 @@ impl Shown<'_> {
             };
             Some((smooth.map_or(point, flat), weight * shown_of_true(number as usize)))
         };
-        weights.into_iter().filter_map(weighted).collect()
+        corners.chunk_by(|(p, _), (q, _)| p == q).filter_map(weighted).collect()
     }
 }
 

@@ -1,10 +1,9 @@
-//! Small bright places that reflected light makes: what a spot's circle on a wall sends through a hole, what a sunlit sill throws on the
-//! reveal beside it. On a large face they fall between the points at which light is gathered; from what sends the light they cannot
-//! be missed.
+//! Small bright places that reflected light makes: light of a spot's circle on a wall through a hole, light of a sunlit sill on the reveal
+//! beside it. On a large face they fall between the points at which light is gathered; seen from the bright patch they cannot be missed.
 //!
-//! Rays leave all patches in proportion to what they reflect. Where one ends, the patch that it comes from, with those around it that
-//! are about as bright, would bring so much if nothing else stood between. Only where that is several times what the face there has on
-//! average is the light gathered exactly: in rooms that are lit as usual hardly anywhere.
+//! Rays leave all patches in proportion to their reflected power. Where one ends, the patch that it comes from, with those around it that
+//! are about as bright, would bring so much if nothing else stood between. Only where that is several times the mean of the face there is
+//! the light gathered exactly: in rooms that are lit as usual hardly anywhere.
 //!
 //! After: each place stands for the area over which its light makes one ray.
 
@@ -21,10 +20,10 @@ use crate::visibility::{FirstMet, ReceiverPoint};
 
 /// Rays of all patches. A hole of 20 cm in a wall, 4 m from a spot's circle, lets one in a thousand pass.
 const RAYS: usize = 1 << 14;
-/// A patch and those around it are one source, as long as they reflect on average this share of what it does.
+/// A patch and those around it are one source, as long as their mean radiosity is this share of its own.
 const AS_BRIGHT: f64 = 0.5;
-/// A place is looked at from so many times the mean of its face on: what is less bright is a large part of it, which points of the face find.
-const OF_FACE: f64 = 4.0;
+/// A place is looked at from so many times the mean of its face on: a less bright one is a large part of the face, whose points find it.
+pub(super) const OF_FACE: f64 = 4.0;
 /// So many candidates are looked at, at most; of more, every second, third and so on.
 const MOST_LOOKED_AT: usize = 256;
 /// A ray of so many extents of the scene leaves it.
@@ -32,7 +31,7 @@ const LEAVES_EXTENTS: f64 = 2.0;
 /// Use of random numbers.
 const OF_PLACES: u64 = 7;
 
-/// Finds the places where patches that reflect much, as in `solution`, bring several times what their face has on average, and more
+/// Finds the places where patches that reflect much, as in `solution`, bring several times the mean of the face that they light, and more
 /// than `least`, in W/m2.
 pub fn reflected_places(
     light: &Irradiance<'_>,
@@ -53,7 +52,7 @@ pub fn reflected_places(
     if sum_w <= 0.0 || !least.is_finite() {
         return Vec::new();
     }
-    let of_faces = means_of_faces(mesh, solution, surfaces);
+    let of_faces = means_of_faces(mesh, prepared.faces.len(), solution, surfaces);
     let ray_w = sum_w / RAYS as f64;
     let sequence = Sequence::new(key_of(0, OF_PLACES));
     let far_m = LEAVES_EXTENTS * prepared.tolerance.extent_m;
@@ -88,13 +87,10 @@ pub fn reflected_places(
 }
 
 /// Mean irradiance by reflection of each face, over the colours, in W/m2.
-fn means_of_faces(mesh: &Mesh, solution: &Solution, surfaces: &Surfaces) -> Table<FaceId, f64> {
-    let mut sums: Table<FaceId, (f64, f64)> = Table::new();
+fn means_of_faces(mesh: &Mesh, faces: usize, solution: &Solution, surfaces: &Surfaces) -> Table<FaceId, f64> {
+    let mut sums: Table<FaceId, (f64, f64)> = vec![(0.0, 0.0); faces].into();
     for leaf in mesh.leaves() {
         let patch = mesh.patch(leaf);
-        while sums.len() <= patch.face.index() {
-            sums.push((0.0, 0.0));
-        }
         let (light_w, area_m2) = &mut sums[patch.face];
         *light_w += patch.area_m2 * (solution.irradiance[leaf].mean - surfaces.direct[leaf].mean).element_sum() / 3.0;
         *area_m2 += patch.area_m2;
@@ -102,8 +98,8 @@ fn means_of_faces(mesh: &Mesh, solution: &Solution, surfaces: &Surfaces) -> Tabl
     sums.iter().map(|&(light_w, area_m2)| if area_m2 > 0.0 { (light_w / area_m2).max(0.0) } else { 0.0 }).collect()
 }
 
-/// About what a leaf and those around it that are as bright would bring to a point if nothing else stood between, over the colours, in
-/// W/m2: a disc of their area.
+/// Irradiance that a leaf and those around it that are as bright would bring to a point if nothing else stood between, over the colours, in
+/// W/m2: about that of a disc of their area.
 fn unoccluded(mesh: &Mesh, solution: &Solution, leaf: PatchId, receiver: &ReceiverPoint) -> f64 {
     let sent = |patch: PatchId| solution.reflected[patch].mean.element_sum() / 3.0;
     let enough = AS_BRIGHT * sent(leaf);

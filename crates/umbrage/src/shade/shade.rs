@@ -236,7 +236,7 @@ pub fn shade(
             let tolerances = [smooth.tolerance, settings.tolerance].map(|tolerance| tolerance * mean);
             let (plain, known) = plain_faces(gathering, &places, irradiance, bounced, tolerances, of_indirect)?;
             let is_not_plain = |mesh: &Mesh, patch: PatchId| plain[mesh.patch(patch).face].is_none();
-            let field = &mut irradiance::Indirect(irradiance, of_reflected);
+            let field = &mut irradiance::Indirect { light: irradiance, bright: of_reflected };
             let gathered = refine(gathering, &places, field, known, is_not_plain, smooth, of_indirect)?;
             bright.extend(of_reflected);
             Indirect::Interpolated(Interpolated::new(gathering, &gathered, &plain))

@@ -59,7 +59,7 @@ impl TexelRadiosity {
         Solution { irradiance: even(0), reflected: even(1), residual: self.residual, iterations: self.bounces }
     }
 
-    /// Scales what the leaves of each face have until it is what its texels have.
+    /// Scales the light of the leaves of each face until it is that of its texels.
     fn keep_light_of_faces(&self, mesh: &Mesh, sums: &mut Table<PatchId, Sums>) {
         let mut of_texels: Table<FaceId, [Rgb; 2]> = vec![[Rgb::ZERO; 2]; self.reflectance.len()].into();
         let mut of_leaves = of_texels.clone();

@@ -12,7 +12,7 @@ use super::next_event::BrightTexels;
 use super::ray_tree::{Ray, RayTree};
 use super::sequence::{Draws, Sequence, key_of};
 use super::sources::{Sources, Start};
-use crate::id::{FaceId, LampId, Table};
+use crate::id::{FaceId, Table};
 use crate::prepare::Prepared;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::{Rgb, Scene};
@@ -102,9 +102,8 @@ impl TexelRadiosity {
                 let Texel { face, point_m, .. } = texels[number];
                 let untold = direct.untold_by_point(face, point_m, DIAGONAL_OF_SIDE * grid.side_m());
                 let told = sources.irradiance(&start(number), &untold, SHADOW_RAYS, || draws.next());
-                let of_lamp =
-                    |&lamp: &LampId| direct.mean_of_lamp(lamp, face, grid.outline_m(prepared, &texels[number]));
-                Ok((told + untold.iter().map(of_lamp).sum::<Rgb>()).as_vec3())
+                let outline_m = || grid.outline_m(prepared, &texels[number]);
+                Ok((told + direct.mean_of_lamps(&untold, face, outline_m)).as_vec3())
             })
             .collect::<Result<Vec<Vec3>, Cancelled>>()?;
         let reflectance: Table<FaceId, Vec3> =

@@ -109,13 +109,12 @@ pub(crate) struct Sources<'a> {
 struct Bare<'b> {
     light: Rgb,
     to: Target<'b>,
-    lamp: Option<LampId>,
 }
 
 /// Where shadow rays go.
 enum Target<'b> {
     Area(&'b AreaSource),
-    Point(DVec3),
+    Lamp(LampId, DVec3),
 }
 
 /// A triangle of a source, and its form factor.
@@ -154,7 +153,7 @@ impl<'a> Sources<'a> {
     /// but some lamps.
     pub(crate) fn irradiance(&self, start: &Start, but: &[LampId], rays: usize, mut draw: impl FnMut() -> f32) -> Rgb {
         let mut bare = self.bare(start, &mut draw);
-        bare.retain(|bare| bare.lamp.is_none_or(|lamp| !but.contains(&lamp)));
+        bare.retain(|bare| !matches!(bare.to, Target::Lamp(lamp, _) if but.contains(&lamp)));
         let all: f64 = bare.iter().map(|bare| bare.light.element_sum()).sum();
         let is_weak = |bare: &Bare<'_>| bare.light.element_sum() < MIN_SHARE * all;
         let (weak, strong): (Vec<&Bare<'_>>, Vec<&Bare<'_>>) =
@@ -198,25 +197,21 @@ impl<'a> Sources<'a> {
             Source::Area(source) => {
                 let faces = source.normal.dot(position_m - source.corners_m[0]) > 0.0;
                 let factor = if faces { point_to_polygon(position_m, normal, &source.corners_m) } else { 0.0 };
-                (factor > 0.0).then(|| Bare {
-                    light: weight * factor * source.exitance,
-                    to: Target::Area(source),
-                    lamp: None,
-                })
+                (factor > 0.0).then(|| Bare { light: weight * factor * source.exitance, to: Target::Area(source) })
             }
         }
     }
 
     fn bare_of_lamp(&self, start: &Start, lamp: LampId, weight: f64) -> Option<Bare<'_>> {
         let (light, to_m) = self.direct.unoccluded_lamp(lamp, &start.receiver)?;
-        Some(Bare { light: weight * light, to: Target::Point(to_m), lamp: Some(lamp) })
+        Some(Bare { light: weight * light, to: Target::Lamp(lamp, to_m) })
     }
 
     /// The share of a source's light that rays see.
     fn seen(&self, start: &Start, to: &Target<'_>, rays: usize, draw: &mut impl FnMut() -> f32) -> f64 {
         let ReceiverPoint { position_m, normal, .. } = start.receiver;
         let source = match *to {
-            Target::Point(to_m) => return f64::from(u8::from(self.tree.is_clear(start.from, to_m.as_vec3()))),
+            Target::Lamp(_, to_m) => return f64::from(u8::from(self.tree.is_clear(start.from, to_m.as_vec3()))),
             Target::Area(source) => source,
         };
         let pieces = pieces(position_m, normal, &source.corners_m);

@@ -236,13 +236,17 @@ impl<'a> DirectLight<'a> {
         self.lamps.untold_by_point(&self.prepared.oriented_plane(face), point_m, radius_m)
     }
 
-    /// Mean irradiance that a lamp brings to a convex polygon of a face, in W/m2.
-    pub(crate) fn mean_of_lamp(&self, lamp: LampId, face: FaceId, corners_m: Vec<DVec3>) -> Rgb {
+    /// Mean irradiance that some lamps bring to a convex polygon of a face, in W/m2; its corners are asked for where there are any.
+    pub(crate) fn mean_of_lamps(&self, lamps: &[LampId], face: FaceId, corners_m: impl Fn() -> Vec<DVec3>) -> Rgb {
+        if lamps.is_empty() {
+            return Rgb::ZERO;
+        }
+        let corners_m = corners_m();
         let area_m2 = polygon::area_m2(&corners_m);
         let polygon = SourcePolygon::on_face(self.prepared, face, corners_m);
         let polygon = FlatSource::new(&polygon, self.prepared.face_frame(face));
-        let flux_w = self.lamps.flux_w(lamp, self.visibility, &polygon);
-        if area_m2 > 0.0 { flux_w / area_m2 } else { Rgb::ZERO }
+        let mean_of = |&lamp: &LampId| self.lamps.flux_w(lamp, self.visibility, &polygon) / area_m2;
+        if area_m2 > 0.0 { lamps.iter().map(mean_of).sum() } else { Rgb::ZERO }
     }
 
     /// The lamps.

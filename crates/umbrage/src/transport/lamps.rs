@@ -21,8 +21,8 @@ pub(super) struct Lamps {
     outside_m: f64,
     /// Where the light of each is spread, on surfaces that it nearly touches.
     discs: Table<LampId, Vec<SpreadDisc>>,
-    /// Cosines of the outer and the inner half angle of each spot.
-    cones: Table<LampId, Option<[f64; 2]>>,
+    /// The cone of each spot.
+    cones: Table<LampId, Option<Cone>>,
     /// A plane that no face lies in.
     no_plane: PlaneId,
 }
@@ -37,11 +37,7 @@ impl Lamps {
         let spread_m = SPREAD_OF_EXTENT * prepared.tolerance.extent_m;
         let discs = |lamp: &Lamp| near_surface::discs(lamp, prepared, visibility, no_plane, spread_m);
         let discs = lamps.raw.par_iter().map(discs).collect::<Vec<_>>().into();
-        let cosines = |lamp: &Lamp| match lamp.kind {
-            LampKind::Spot { inner_rad, outer_rad, .. } => Some([outer_rad, inner_rad].map(f64::cos)),
-            LampKind::Point { .. } | LampKind::Directional { .. } => None,
-        };
-        let cones = lamps.iter().map(cosines).collect();
+        let cones = lamps.iter().map(Cone::of).collect();
         Self { lamps, outside_m: DIAGONAL_OF_EXTENT * prepared.tolerance.extent_m, discs, cones, no_plane }
     }
 
@@ -132,7 +128,7 @@ impl Lamps {
     pub(super) fn untold_by_point(&self, plane: &Plane, point_m: DVec3, radius_m: f64) -> SmallVec<[LampId; 4]> {
         let is_untold = |id: LampId, lamp: &Lamp| {
             is_near(lamp, plane, point_m, radius_m)
-                || self.cones[id].is_some_and(|cone| cone_ends_in(lamp, cone, point_m, radius_m))
+                || self.cones[id].is_some_and(|cone| cone.ends_in(point_m, radius_m))
         };
         self.lamps.iter_enumerated().filter(|&(id, lamp)| is_untold(id, lamp)).map(|(id, _)| id).collect()
     }
@@ -162,15 +158,32 @@ fn is_near(lamp: &Lamp, plane: &Plane, middle_m: DVec3, radius_m: f64) -> bool {
         && may_light(lamp, middle_m, radius_m)
 }
 
-/// Whether the light of a spot ends within a ball, or falls by much there: with a slope of no more than 1, cosines tell of angles.
-fn cone_ends_in(lamp: &Lamp, [outer, inner]: [f64; 2], middle_m: DVec3, radius_m: f64) -> bool {
-    let LampKind::Spot { position_m, direction, .. } = lamp.kind else { return false };
-    let to_middle_m = middle_m - position_m;
-    let distance_m = to_middle_m.length();
-    let (cosine, within_rad) = (direction.dot(to_middle_m) / distance_m, radius_m / distance_m);
-    cosine + within_rad > outer
-        && cosine - within_rad < inner
-        && within_rad > NEAR * (inner.acos() - outer.acos()).abs()
+/// The cone that a spot shines into.
+#[derive(Clone, Copy, Debug)]
+struct Cone {
+    apex_m: DVec3,
+    axis: DVec3,
+    /// Cosines of the half angles.
+    outer: f64,
+    inner: f64,
+    /// The angle over which light falls, in radians.
+    soft_rad: f64,
+}
+
+impl Cone {
+    fn of(lamp: &Lamp) -> Option<Self> {
+        let LampKind::Spot { position_m, direction, inner_rad, outer_rad, .. } = lamp.kind else { return None };
+        let [outer, inner] = [outer_rad, inner_rad].map(f64::cos);
+        Some(Self { apex_m: position_m, axis: direction, outer, inner, soft_rad: outer_rad - inner_rad })
+    }
+
+    /// Whether light ends within a ball, or falls by much there. Cosines tell, since they differ by no more than their angles.
+    fn ends_in(&self, middle_m: DVec3, radius_m: f64) -> bool {
+        let to_middle_m = middle_m - self.apex_m;
+        let distance_m = to_middle_m.length();
+        let (cosine, within_rad) = (self.axis.dot(to_middle_m) / distance_m, radius_m / distance_m);
+        cosine + within_rad > self.outer && cosine - within_rad < self.inner && within_rad > NEAR * self.soft_rad
+    }
 }
 
 /// Whether a lamp may shine into a ball.

@@ -1,15 +1,14 @@
 //! Leaves that small bright places begin with: a spot of light behind a hole lies between the first samples of a large leaf.
 //!
-//! Texels are many, and where next events tell what bright texels send, the light of each is known well enough to see such a place.
+//! Texels are many, and where next events bring the light of bright texels, that of each is known well enough to see such a place.
 //! Leaves in which bright texels are a small part are split until they are an eighth of it: each then has samples of its own.
 
 use crate::id::{FaceId, PatchId, Table};
 use crate::mesh::Mesh;
+use crate::shade::reflected_places::OF_FACE;
 use crate::texels::{Texel, TexelRadiosity};
 use crate::transport::{BrightPlace, PlacesOfLeaves};
 
-/// A texel is bright by so many times the mean of its face.
-const OF_FACE: f64 = 4.0;
 /// Bright texels that are this share of a leaf cannot be missed by its samples.
 const SHARE_OF_LEAF: f64 = 0.125;
 /// Rounds of splits.
