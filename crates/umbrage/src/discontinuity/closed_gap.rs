@@ -28,7 +28,7 @@ pub(super) fn contacts(
     let closed_m = prepared.tolerance.closed_m();
     let mut segments = Vec::new();
     for over in prepared.faces.keys() {
-        let borders: Vec<EdgeId> = borders(prepared, over).collect();
+        let edges: Vec<EdgeId> = prepared.faces[over].sides.iter().flatten().map(|side| side.edge).collect();
         let [middle_m, half_m] = visibility.box_m(over);
         let (low_m, high_m) = (middle_m - half_m - closed_m, middle_m + half_m + closed_m);
         let mut covered = Vec::new();
@@ -38,13 +38,15 @@ pub(super) fn contacts(
                 let is_covered = receives(face)
                     && prepared.faces[face].plane != prepared.faces[over].plane
                     && visibility.lie_along([face, over])
-                    && matches!(visibility.placed(over, face), Placed::BeforeWithFront | Placed::BeforeWithBack);
+                    && is_before(visibility, [over, face]);
                 covered.extend(is_covered.then_some(face));
                 ControlFlow::Continue(())
             },
         );
         for face in covered {
-            let apart = borders.iter().filter(|&&edge| !prepared.edges[edge].faces.contains(&face));
+            let apart = edges.iter().filter(|&&edge| {
+                !prepared.edges[edge].faces.contains(&face) && !goes_on(prepared, visibility, [over, face], edge)
+            });
             segments.extend(apart.filter_map(|&edge| dropped(prepared, edge, face)));
         }
     }
@@ -63,20 +65,23 @@ pub(super) fn is_across(
     prepared.faces[face].plane != prepared.faces[over].plane
         && ends_m.iter().all(|&end| plane.signed_distance_m(end).abs() <= closed_m)
         && visibility.lie_along([face, over])
-        && matches!(visibility.placed(over, face), Placed::BeforeWithFront | Placed::BeforeWithBack)
+        && is_before(visibility, [over, face])
 }
 
-/// The edges of a face that its plane does not go on beyond.
-fn borders(prepared: &Prepared, face: FaceId) -> impl Iterator<Item = EdgeId> + '_ {
-    let own = &prepared.faces[face];
-    let goes_on = move |edge: EdgeId| {
-        let is_next = |&other: &FaceId| {
-            let next = &prepared.faces[other];
-            other != face && next.plane == own.plane && next.facing == own.facing
-        };
-        prepared.edges[edge].faces.iter().any(is_next)
+/// Whether the first of two faces is before the second.
+fn is_before(visibility: &Visibility, [over, face]: [FaceId; 2]) -> bool {
+    matches!(visibility.placed(over, face), Placed::BeforeWithFront | Placed::BeforeWithBack)
+}
+
+/// Whether the plane of the first of two faces goes on beyond an edge of it, and covers the second there, too: of parts of a plane that
+/// is nearly that of what they cover, some may lie in it.
+fn goes_on(prepared: &Prepared, visibility: &Visibility, [over, face]: [FaceId; 2], edge: EdgeId) -> bool {
+    let own = &prepared.faces[over];
+    let is_next = |&other: &FaceId| {
+        let next = &prepared.faces[other];
+        other != over && next.plane == own.plane && next.facing == own.facing && is_before(visibility, [other, face])
     };
-    own.sides.iter().flatten().map(|side| side.edge).filter(move |&edge| !goes_on(edge))
+    prepared.edges[edge].faces.iter().any(is_next)
 }
 
 /// The part of an edge that is within a closed gap over a face, dropped onto it.

@@ -15,6 +15,7 @@
 use std::ops::ControlFlow;
 
 use glam::{DVec2, DVec3};
+use smallvec::SmallVec;
 
 use super::{PlaneView, ReceiverPoint, Visibility};
 use crate::geometry::convex::{self, Convex};
@@ -40,17 +41,24 @@ pub(crate) enum Placed {
 
 /// The least and greatest height of corners over a plane, in metres.
 fn heights_m(plane: &Plane, corners_m: &[DVec3]) -> [f64; 2] {
-    let heights = corners_m.iter().map(|&corner| plane.signed_distance_m(corner));
-    heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| [low.min(height), high.max(height)])
+    range(corners_m.iter().map(|&corner| plane.signed_distance_m(corner)))
+}
+
+/// The least and the greatest of some values; where there is none, the first is greater.
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
 }
 
 impl Visibility {
     /// Where `face` lies as seen from `receiver`.
     pub(crate) fn placed(&self, face: FaceId, receiver: FaceId) -> Placed {
         let near_m = self.tolerance().coplanar_m();
-        let [_, over_receiver_m] = heights_m(self.near_plane(receiver), self.boundary_m(face));
-        if over_receiver_m <= near_m {
+        let over_receiver_m = heights_m(self.near_plane(receiver), self.boundary_m(face));
+        if over_receiver_m[1] <= near_m {
             return Placed::Behind;
+        }
+        if self.lie_along([face, receiver]) {
+            return self.placed_along(face, receiver, over_receiver_m);
         }
         let [low_m, high_m] = heights_m(self.near_plane(face), self.boundary_m(receiver));
         match (low_m < -near_m, high_m > near_m) {
@@ -58,6 +66,35 @@ impl Visibility {
             _ if low_m + high_m > 0.0 => Placed::BeforeWithFront,
             _ => Placed::BeforeWithBack,
         }
+    }
+
+    /// The same of faces that lie along each other, given the least and greatest height of the corners of the one over the other's
+    /// plane, in metres. Where planes cross beside what the two have in common does not matter; what is over the other by no more than
+    /// what counts as its plane does not cover it.
+    fn placed_along(&self, face: FaceId, receiver: FaceId, over_receiver_m: [f64; 2]) -> Placed {
+        let near_m = self.tolerance().coplanar_m();
+        let (plane, own) = (self.near_plane(face), self.near_plane(receiver));
+        let along = plane.normal.dot(own.normal);
+        let [low_m, high_m] = match over_receiver_m[0] < -near_m {
+            true => range(self.common(face, receiver).iter().map(|&corner| -plane.signed_distance_m(corner) / along)),
+            false => over_receiver_m,
+        };
+        match (low_m < -near_m, high_m > near_m) {
+            (_, false) => Placed::Behind,
+            (true, true) => Placed::Across,
+            (false, true) if along < 0.0 => Placed::BeforeWithFront,
+            (false, true) => Placed::BeforeWithBack,
+        }
+    }
+
+    /// What a face has in common with another that it is dropped onto.
+    fn common(&self, face: FaceId, receiver: FaceId) -> SmallVec<[DVec3; 8]> {
+        let (normal, boundary_m) = (self.near_plane(face).normal, self.boundary_m(face));
+        let sides = boundary_m.iter().zip(boundary_m.iter().cycle().skip(1));
+        let all = self.boundary_m(receiver).iter().copied().collect();
+        sides.fold(all, |left: SmallVec<[DVec3; 8]>, (&a, &b)| {
+            clip::where_not_negative(&left, |p: DVec3| normal.dot((b - a).cross(p - a)))
+        })
     }
 
     /// Whether two faces are so nearly parallel that one may cover the other.
