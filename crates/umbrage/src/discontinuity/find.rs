@@ -20,8 +20,10 @@ use crate::progress::{Cancelled, Progress, Stage};
 use crate::scene::Scene;
 use crate::visibility::Visibility;
 
-/// Pairs that are traced between two reports of progress.
-const PAIRS_A_PART: usize = 4096;
+/// Pairs that are traced between two reports of progress: as few as make so many parts, within bounds. A pair of an emitter and an edge
+/// that stands for many triples may take milliseconds, one of a corner and an edge takes less than a microsecond.
+const PARTS: usize = 16_384;
+const PAIRS_A_PART: [usize; 2] = [32, 4096];
 
 /// d-segments that change irradiance by less than asked, but no less than this share of it, are kept apart: a tenth of the mean light is
 /// the most that is dim, and a thousandth the least that is looked at. A scene of a thousand polygons has half as many of them again.
@@ -133,14 +135,15 @@ pub(super) fn traced(
     progress: Progress<'_>,
 ) -> Result<(Vec<DSegment>, usize), Cancelled> {
     let around = Surroundings { prepared, visibility, features, wedges: &AtomicUsize::new(0) };
-    let pairs = Pairs::new(prepared, features, kinds);
-    let parts = pairs.count().div_ceil(PAIRS_A_PART);
+    let pairs = Pairs::new(&around, kinds);
+    let of_part = (pairs.count() / PARTS).clamp(PAIRS_A_PART[0], PAIRS_A_PART[1]);
+    let parts = pairs.count().div_ceil(of_part);
     let done = AtomicUsize::new(0);
     let found: Vec<Vec<DSegment>> = (0..parts)
         .into_par_iter()
         .map(|part| {
             progress.report(Stage::Discontinuity, done.fetch_add(1, Ordering::Relaxed), parts)?;
-            let numbers = part * PAIRS_A_PART..((part + 1) * PAIRS_A_PART).min(pairs.count());
+            let numbers = part * of_part..((part + 1) * of_part).min(pairs.count());
             let segments = numbers.flat_map(|number| pairs.trace(number, &around));
             Ok(segments
                 .map(|segment| with_strength(&around, segment))
@@ -161,12 +164,15 @@ struct Pairs<'a> {
     prepared: &'a Prepared,
     features: &'a Features,
     casting: Casting,
+    /// Of three edges, the most that one pair may stand for.
+    most_triples: usize,
     /// Where the numbers of each kind end.
     ends: [usize; 8],
 }
 
 impl<'a> Pairs<'a> {
-    fn new(prepared: &'a Prepared, features: &'a Features, kinds: Kinds) -> Self {
+    fn new(around: &Surroundings<'a>, kinds: Kinds) -> Self {
+        let Surroundings { prepared, features, .. } = *around;
         let (edges, vertices) = (features.occluders.edges.len(), features.occluders.vertices.len());
         let casting = Casting::new(features);
         let counts = [
@@ -184,7 +190,8 @@ impl<'a> Pairs<'a> {
             end += count;
             end
         });
-        Self { prepared, features, casting, ends }
+        let most_triples = if kinds == Kinds::All { around.most_triples(&casting.emitters) } else { 0 };
+        Self { prepared, features, casting, most_triples, ends }
     }
 
     fn count(&self) -> usize {
@@ -225,7 +232,7 @@ impl<'a> Pairs<'a> {
             }
             _ => {
                 let (source, occluder) = pair(occluders.edges.len());
-                around.three_edges(emitters[source], &occluders.edges[occluder])
+                around.three_edges(emitters[source], &occluders.edges[occluder], self.most_triples)
             }
         }
     }

@@ -1,18 +1,26 @@
 //! Roots of short polynomials between 0 and 1.
 //!
 //! The roots of the derivative divide the interval into parts on which the polynomial is monotone; each part whose ends
-//! differ in sign holds one root, which bisection finds to the last bit. Roots without a change of sign are none:
+//! differ in sign holds one root, which Newton's method finds, or bisection where a step of it leaves the part. Roots without a change of sign are none:
 //! nothing begins or ends there.
 
 use smallvec::SmallVec;
 
-/// Halvings that take an interval of length 1 to rounding.
-const HALVINGS: usize = 54;
+/// Halvings that take an interval of length 1 to rounding, and a few for steps that do less.
+const STEPS: usize = 64;
+/// A step shorter than this changes nothing: a few times the last bit of numbers up to 1.
+const LAST_BIT: f64 = 4e-16;
+/// What sums of a few terms round, as a share of the terms: a thousand times the last bit.
+const ROUNDING: f64 = 2e-13;
 
 /// The roots between 0 and 1 at which a polynomial with these coefficients, of ascending powers, changes sign;
 /// ascending.
 pub(super) fn roots(coefficients: &[f64]) -> SmallVec<[f64; 4]> {
-    let value = |t: f64| coefficients.iter().rev().fold(0.0, |sum, c| sum * t + c);
+    if keeps_sign(coefficients) {
+        return SmallVec::new();
+    }
+    // Value and slope.
+    let at = |t: f64| coefficients.iter().rev().fold((0.0, 0.0), |(v, slope), c| (v * t + c, slope * t + v));
     let mut ends: SmallVec<[f64; 6]> = SmallVec::from_slice(&[0.0]);
     if coefficients.len() > 2 {
         let derivative: SmallVec<[f64; 4]> =
@@ -22,17 +30,43 @@ pub(super) fn roots(coefficients: &[f64]) -> SmallVec<[f64; 4]> {
     ends.push(1.0);
     let root = |pair: &[f64]| {
         let (mut from, mut to) = (pair[0], pair[1]);
-        let rises = value(to) > 0.0;
-        if value(from) * value(to) >= 0.0 {
+        let (value_from, value_to) = (at(from).0, at(to).0);
+        let rises = value_to > 0.0;
+        if value_from * value_to >= 0.0 {
             return None;
         }
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (from + to);
-            if (value(middle) > 0.0) == rises { to = middle } else { from = middle }
+        let mut t = from + (to - from) * value_from / (value_from - value_to);
+        for _ in 0..STEPS {
+            let (value, slope) = at(t);
+            if (value > 0.0) == rises { to = t } else { from = t }
+            let step = value / slope;
+            let next = t - step;
+            if step.abs() <= LAST_BIT || to - from <= LAST_BIT {
+                return Some(next.clamp(from, to));
+            }
+            t = if from < next && next < to { next } else { 0.5 * (from + to) };
         }
-        Some(0.5 * (from + to))
+        Some(t)
     };
     ends.windows(2).filter_map(root).collect()
+}
+
+/// Whether a polynomial is clearly above zero, or clearly below, from 0 to 1: it lies in the hull of its Bernstein coefficients. Most
+/// are, and bisection of their derivatives is long.
+fn keeps_sign(coefficients: &[f64]) -> bool {
+    let degree = coefficients.len().saturating_sub(1);
+    let rounding = ROUNDING * coefficients.iter().map(|c| c.abs()).sum::<f64>();
+    let bernstein = |number: usize| {
+        // The share of each power: binomial of the number over binomial of the degree.
+        let mut share = 1.0;
+        let term = |(power, c): (usize, &f64)| {
+            let of_power = share * c;
+            share *= (number - power.min(number)) as f64 / (degree - power).max(1) as f64;
+            of_power
+        };
+        coefficients.iter().enumerate().map(term).sum::<f64>()
+    };
+    (0..=degree).all(|number| bernstein(number) > rounding) || (0..=degree).all(|number| bernstein(number) < -rounding)
 }
 
 #[cfg(test)]
@@ -52,6 +86,21 @@ mod tests {
             for (root, expected) in found.iter().zip([a, b, c]) {
                 prop_assert!((root - expected).abs() < 1e-12);
             }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn what_keeps_its_sign_has_no_root(coefficients in prop::collection::vec(-1.0..1.0_f64, 1..5), raise in 0.0..3.0_f64) {
+            let mut raised = coefficients.clone();
+            raised[0] += raise;
+            let value = |t: f64| raised.iter().rev().fold(0.0, |sum, c| sum * t + c);
+            let values = (0..=1000).map(|i| value(f64::from(i) * 1e-3));
+            let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [v.min(low), v.max(high)]);
+            prop_assert!(!keeps_sign(&raised) || low > 0.0 || high < 0.0, "{raised:?}");
+            // It is worth something: what is far above zero is told.
+            prop_assert!(keeps_sign(&raised) || low < 8.0);
+            prop_assert!(keeps_sign(&[4.0, -1.0, 1.0, -1.0]) && keeps_sign(&[-4.0, 3.0]) && !keeps_sign(&[-1.0, 3.0]));
         }
     }
 

@@ -7,11 +7,13 @@
 //! since rays between them pass little. Of those three edges the rays are an interval of the source edge, or several
 //! (`ruled`).
 
+use std::cell::Cell;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::sync::atomic::Ordering;
 
 use glam::DVec3;
+use rayon::prelude::*;
 use smallvec::SmallVec;
 
 use super::features::Surroundings;
@@ -35,9 +37,56 @@ const MOST_CORNERS: usize = 6;
 /// there.
 const SAME_PLACE: f64 = 1e-7;
 
+/// So many triples of a source edge and two occluder edges are looked at for each edge of an occluder, and besides. Where most edges pass
+/// between an emitter and an edge, each hides the least of the light, and events are left out. A room has one or two for each edge,
+/// blinds of 20 slats 15; 2,000 needles 580, which took 137 s, and 13 s with this.
+const TRIPLES_OF_EDGE: usize = 40;
+const TRIPLES_OF_SCENE: usize = 50_000;
+
 impl Surroundings<'_> {
-    /// The events of an emitter's edges and two occluder edges, of which the given one is nearer to the receiver.
-    pub(super) fn three_edges(&self, id: EmitterId, last: &OccluderEdge) -> Vec<DSegment> {
+    /// The events of an emitter's edges and two occluder edges, of which the given one is nearer to the receiver; none where more than
+    /// `most` triples of edges would have to be looked at.
+    pub(super) fn three_edges(&self, id: EmitterId, last: &OccluderEdge, most: usize) -> Vec<DSegment> {
+        let nearer = self.edges_between(id, last);
+        if self.triples(id, &nearer) > most {
+            return Vec::new();
+        }
+        let mut segments = Vec::new();
+        for nearer in nearer {
+            for &number in &self.features.sources.of_emitter[id] {
+                let source = &self.features.sources.edges[number];
+                if source.edge != last.edge && source.edge != nearer.edge {
+                    segments.extend(self.three(id, source, nearer, last));
+                }
+            }
+        }
+        segments
+    }
+
+    /// The most triples for one emitter and one last edge such that all together are in proportion to the occluders' edges.
+    pub(super) fn most_triples(&self, emitters: &[EmitterId]) -> usize {
+        let edges = &self.features.occluders.edges;
+        let count = |number: usize| {
+            let id = emitters[number / edges.len()];
+            self.triples(id, &self.edges_between(id, &edges[number % edges.len()]))
+        };
+        let mut counts: Vec<usize> = (0..emitters.len() * edges.len()).into_par_iter().map(count).collect();
+        counts.sort_unstable();
+        let mut left = TRIPLES_OF_EDGE * edges.len() + TRIPLES_OF_SCENE;
+        let fits = |&count: &usize| {
+            let enough = left >= count;
+            left = left.saturating_sub(count);
+            enough
+        };
+        counts.into_iter().take_while(fits).last().unwrap_or(0)
+    }
+
+    fn triples(&self, id: EmitterId, nearer: &[&OccluderEdge]) -> usize {
+        nearer.len() * self.features.sources.of_emitter[id].len()
+    }
+
+    /// The edges that rays from an emitter to an edge may pass.
+    fn edges_between(&self, id: EmitterId, last: &OccluderEdge) -> Vec<&OccluderEdge> {
         let emitter = &self.features.emitters[id];
         let corners = self.hull_corners(emitter);
         if !self.may_be_silhouette(last, &corners) {
@@ -58,16 +107,7 @@ impl Surroundings<'_> {
         );
         let nearer = others.into_iter().filter(|&edge| edge != last.edge);
         let nearer = nearer.filter_map(|edge| self.features.occluders.of(edge));
-        let mut segments = Vec::new();
-        for nearer in nearer.filter(|edge| reaches(edge.ends_m) && self.may_be_silhouette(edge, &corners)) {
-            for &number in &self.features.sources.of_emitter[id] {
-                let source = &self.features.sources.edges[number];
-                if source.edge != last.edge && source.edge != nearer.edge {
-                    segments.extend(self.three(id, source, nearer, last));
-                }
-            }
-        }
-        segments
+        nearer.filter(|edge| reaches(edge.ends_m) && self.may_be_silhouette(edge, &corners)).collect()
     }
 
     /// Points that hold an emitter in their hull.
@@ -208,16 +248,23 @@ impl Surroundings<'_> {
                 ends.extend(ruled.meets(direction, [boundary[i], boundary[(i + 1) % boundary.len()]]));
             }
         }
-        parts(interval, ends, |t| self.receiver_of(&faces, &ruled.ray(t)?))
+        // What stops one ray mostly stops the next.
+        let stopper = Cell::new(None);
+        parts(interval, ends, |t| self.receiver_of(&faces, &ruled.ray(t)?, &stopper))
     }
 
     /// The face among these that a ray reaches past the last edge, if none is before it. Of several at one place, the
-    /// two sides of a sheet, it is the one that shows light.
-    fn receiver_of(&self, faces: &[FaceId], ray: &Ray) -> Option<FaceId> {
+    /// two sides of a sheet, it is the one that shows light. `stopper`, the face before the last edge that stopped a ray, is asked first.
+    fn receiver_of(&self, faces: &[FaceId], ray: &Ray, stopper: &Cell<Option<FaceId>>) -> Option<FaceId> {
+        let is_before = |at: f64| SAME_PLACE < at && at < 1.0 - SAME_PLACE;
+        if stopper.get().and_then(|face| self.hit(face, ray)).is_some_and(is_before) {
+            return None;
+        }
         let mut beyond: SmallVec<[(f64, FaceId); 8]> = SmallVec::new();
         for &face in faces {
             let Some(at) = self.hit(face, ray) else { continue };
-            if SAME_PLACE < at && at < 1.0 - SAME_PLACE {
+            if is_before(at) {
+                stopper.set(Some(face));
                 return None;
             }
             if at > 1.0 + SAME_PLACE {
