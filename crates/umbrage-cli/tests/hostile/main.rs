@@ -4,7 +4,7 @@
 //! command must end by itself, within limits of processor time and memory that the system enforces, with exit code 0, 1 or 2, without a panic,
 //! and with no more than 20 kB of messages that do nothing to a terminal.
 //!
-//! A tenth of the corpus runs here; `UMBRAGE_HOSTILE=N cargo test --release -p umbrage-cli --test hostile` runs N files.
+//! Two of each kind run here; `UMBRAGE_HOSTILE=N cargo test --release -p umbrage-cli --test hostile` runs N files.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -14,13 +14,16 @@ mod gltf;
 mod text;
 
 use std::fs;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
 
 use fastrand::Rng;
 
 /// Files where nobody asks for another number.
-const FILES: usize = 60;
+const FILES: usize = 76;
 /// Processor time of one command, in seconds: ten, and two for a slow machine; more for a program that is not optimised.
 const CPU_S: usize = if cfg!(debug_assertions) { 60 } else { 12 };
 /// Memory of one command: so many times the file, so much more, and the address space of the program and its threads.
@@ -89,8 +92,7 @@ fn whatever_is_in_a_file_the_command_ends_in_words() {
     let files = std::env::var("UMBRAGE_HOSTILE").ok().and_then(|n| n.parse().ok()).unwrap_or(FILES);
     let root = Path::new(env!("CARGO_TARGET_TMPDIR")).join("hostile");
     let kinds = kinds();
-    let mut found = Vec::new();
-    for number in 0..files {
+    let judged = |number: usize| -> Vec<String> {
         let (kind, make) = kinds[number % kinds.len()];
         let seed = (number / kinds.len()) as u64;
         let file = make(&mut Rng::with_seed(seed.wrapping_mul(0x9e37_79b9) ^ number as u64));
@@ -107,7 +109,18 @@ fn whatever_is_in_a_file_the_command_ends_in_words() {
         if told.is_empty() {
             fs::remove_dir_all(&folder).unwrap();
         }
-        found.extend(told);
-    }
+        told
+    };
+    // Each command has one thread.
+    let next = AtomicUsize::new(0);
+    let of_thread = || -> Vec<String> {
+        let numbers = std::iter::from_fn(|| Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&number| number < files));
+        numbers.flat_map(judged).collect()
+    };
+    let threads = thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let found: Vec<String> = thread::scope(|scope| {
+        let running: Vec<_> = (0..threads).map(|_| scope.spawn(of_thread)).collect();
+        running.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
+    });
     assert!(found.is_empty(), "{} of {files}:\n{}", found.len(), found.join("\n"));
 }
