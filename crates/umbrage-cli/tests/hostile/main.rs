@@ -114,7 +114,8 @@ fn whatever_is_in_a_file_the_command_ends_in_words() {
     // Each command has one thread.
     let next = AtomicUsize::new(0);
     let of_thread = || -> Vec<String> {
-        let numbers = std::iter::from_fn(|| Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&number| number < files));
+        let numbers =
+            std::iter::from_fn(|| Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&number| number < files));
         numbers.flat_map(judged).collect()
     };
     let threads = thread::available_parallelism().map_or(1, NonZeroUsize::get);

@@ -16,6 +16,7 @@ use super::needed::{self, NeededEdge, Use};
 use super::pieces::convex_pieces;
 use super::rim::RimWidth;
 use super::soup::Polygon;
+use super::twins;
 use super::weld::{Frame, Points};
 use super::{Facing, PrepareReport, Prepared, Skin};
 use crate::id::{FaceId, PlaneId, SkinId, SurfaceId, Table, VertexId};
@@ -101,6 +102,7 @@ impl Draft {
         let mut counted = PrepareReport::default();
         self.pieces =
             convex_pieces(&self.edges, &self.planes, &self.points, &self.frame.tolerance, &mut counted, pulse)?;
+        twins::take_away(&mut self.pieces, &self.planes);
         Ok(self)
     }
 }

@@ -45,6 +45,7 @@ mod stages;
 #[cfg(test)]
 mod testing;
 mod triangulation;
+mod twins;
 mod weld;
 
 pub use draft::{Draft, FaceOrigins};

@@ -15,6 +15,7 @@ use super::orient;
 use super::pieces::convex_pieces;
 use super::skin::Skins;
 use super::soup::{self, Polygon};
+use super::twins;
 use super::weld::{Frame, Points};
 use super::{PrepareError, PrepareReport, Prepared};
 use crate::id::{PlaneId, SurfaceId, VertexId};
@@ -108,7 +109,8 @@ pub fn draft(scene: &Scene, settings: PrepareSettings, progress: Progress<'_>) -
     let edges = needed_edges(&soup, &planes, &skins, &points, &by_plane, &mut report, || pulse(4))?;
     let edges = needed::straighten(&edges, &points, &tolerance);
     pulse(5)?;
-    let pieces = convex_pieces(&edges, &planes, &points, &tolerance, &mut report, || pulse(5))?;
+    let mut pieces = convex_pieces(&edges, &planes, &points, &tolerance, &mut report, || pulse(5))?;
+    report.overlaps += twins::take_away(&mut pieces, &planes);
     let fronts = Fronts::new(&soup, &planes);
     pulse(STEPS)?;
     Ok(Draft { frame, planes, skins: skins.all, points, edges, pieces, fronts, report })
