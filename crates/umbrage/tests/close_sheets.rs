@@ -219,12 +219,12 @@ impl Sheet {
 /// Heights over each other that tell which sheet is on top, in metres: five times what counts as one plane in a scene of this size.
 const APART_M: f64 = 2.5e-5;
 
-/// Sheets that lie in one plane but for some roundings cross at tiny angles, or are taken to lie in it in parts. Half of the light's edges
-/// were missed once: 2,400 triangles for each sheet.
+/// Sheets that nearly lie in one plane cross at tiny angles. Most borders of what covers another were missed once, as the corners of both
+/// told which is on top, wherever they are: up to 20,000 triangles for each sheet. Where all is within a few roundings of one plane
+/// (1e-5) parts are still taken to lie in it that others are not.
 #[test]
 fn a_heap_of_sheets_that_nearly_lie_in_one_plane_takes_few_triangles() {
-    let only: Option<f64> = std::env::var("THICK").ok().and_then(|t| t.parse().ok());
-    for (thick_m, most_of_sheet) in [(1e-6, 60), (1e-5, 400), (3e-5, 400), (1e-4, 400), (3e-4, 400)] {
+    for (thick_m, most_of_sheet) in [(1e-6, 10), (1e-5, 1000), (3e-5, 120), (1e-4, 120), (3e-4, 120)] {
         let sheets: Vec<Sheet> = (0..60).map(|number| Sheet::of_heap(number, thick_m)).collect();
         let mut scene = Scene::default();
         let grey = Material::diffuse("grey", Rgb::splat(0.5));
@@ -235,7 +235,6 @@ fn a_heap_of_sheets_that_nearly_lie_in_one_plane_takes_few_triangles() {
             &[quad(5.0 * DVec3::Y, 0.2 * DVec3::X, 0.2 * DVec3::Z)],
         );
         let baked = bake(&scene, &BakeSettings::default(), Progress::silent()).unwrap();
-        eprintln!("{thick_m} {}", baked.report.triangles);if only.is_some(){continue;}
         assert!(baked.report.triangles <= most_of_sheet * sheets.len(), "{thick_m}: {}", baked.report.triangles);
         let triangles = lit_triangles(&baked.mesh);
         let mut told = [0, 0];

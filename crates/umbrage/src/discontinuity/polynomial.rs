@@ -38,7 +38,11 @@ pub(super) fn roots(coefficients: &[f64]) -> SmallVec<[f64; 4]> {
         let mut t = from + (to - from) * value_from / (value_from - value_to);
         for _ in 0..STEPS {
             let (value, slope) = at(t);
-            if (value > 0.0) == rises { to = t } else { from = t }
+            if (value > 0.0) == rises {
+                to = t
+            } else {
+                from = t
+            }
             let step = value / slope;
             let next = t - step;
             if step.abs() <= LAST_BIT || to - from <= LAST_BIT {
