@@ -11,10 +11,11 @@
 //! 8. `arrangement`: the cells of each plane, and what each shows to either side.
 //! 9. `needed`: only edges where something changes stay; so triangles become polygons again.
 //! 10. `convex`: cells fall into few, well-shaped convex pieces.
-//! 11. `diagonal`: borders between pieces are cut where other planes' vertices touch them.
-//! 12. `assemble`: pieces become faces, in an order that depends on the scene only.
+//! 11. `twins`: of pieces of different planes with the same corners one is shown.
+//! 12. `diagonal`: borders between pieces are cut where other planes' vertices touch them.
+//! 13. `assemble`: pieces become faces, in an order that depends on the scene only.
 //!
-//! `draft` holds the result of steps 1 to 10; faces that turn out to be hidden are left out of it, and steps 9 to 12 are done again.
+//! `draft` holds the result of steps 1 to 11; faces that turn out to be hidden are left out of it, and steps 9 to 13 are done again.
 //! Beside them, `curved` tells of a point of a face how the smooth surface lies that the face stands for.
 
 mod arrangement;
