@@ -265,3 +265,27 @@ fn a_heap_of_sheets_that_nearly_lie_in_one_plane_takes_few_triangles() {
         assert!(thick_m < 1e-4 || told.iter().all(|&count| count > 3), "{thick_m}: {told:?}");
     }
 }
+
+/// Next to a ceiling, nearer than what is welded or a little farther, a panel has corners in common with a piece of it: what is laid on
+/// another is shown, and a lamp is not lost.
+#[test]
+fn a_luminous_panel_a_few_roundings_before_a_ceiling_shines() {
+    let on_floor = |gap_m: f64, half_m: f64| {
+        let mut scene = Scene::default();
+        let grey = |name: &str| Material::diffuse(name, Rgb::splat(0.5));
+        add(&mut scene, grey("floor"), &[quad(DVec3::ZERO, 2.0 * DVec3::X, 2.0 * DVec3::Y)]);
+        let above = |height_m: f64, half_m: f64| quad(height_m * DVec3::Z, half_m * DVec3::Y, half_m * DVec3::X);
+        add(&mut scene, grey("ceiling"), &[above(3.0, half_m)]);
+        add(&mut scene, Material::emitting("panel", Rgb::splat(10.0)), &[above(3.0 - gap_m, 0.3)]);
+        let baked = bake(&scene, &BakeSettings::default(), Progress::silent()).unwrap();
+        irradiance_at(&lit_triangles(&baked.mesh), DVec3::new(0.11, 0.07, 0.0), DVec3::Z, 1e-4).unwrap().x
+    };
+    // A panel of the size of the ceiling, too.
+    for half_m in [2.0, 0.3] {
+        let far_off = on_floor(1e-3, half_m);
+        for gap_m in [0.0, 1e-6, 3e-6, 5e-6, 7e-6, 9e-6, 1.1e-5, 2e-5, 1e-4] {
+            let light = on_floor(gap_m, half_m);
+            assert!((light / far_off - 1.0).abs() < 0.02, "{gap_m} {half_m}: {light} is not {far_off}");
+        }
+    }
+}

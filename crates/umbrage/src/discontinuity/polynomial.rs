@@ -1,8 +1,8 @@
 //! Roots of short polynomials between 0 and 1.
 //!
 //! The roots of the derivative divide the interval into parts on which the polynomial is monotone; each part whose ends
-//! differ in sign holds one root, which Newton's method finds, or bisection where a step of it leaves the part. Roots without a change of sign are none:
-//! nothing begins or ends there.
+//! differ in sign holds one root, which Newton's method finds, or bisection where a step of it leaves the part. Roots without a
+//! change of sign are none: nothing begins or ends there.
 
 use smallvec::SmallVec;
 

@@ -70,7 +70,8 @@ impl Surroundings<'_> {
             let id = emitters[number / edges.len()];
             self.triples(id, &self.edges_between(id, &edges[number % edges.len()]))
         };
-        let mut counts: Vec<usize> = (0..emitters.len() * edges.len()).into_par_iter().map(count).collect();
+        let all = (0..emitters.len() * edges.len()).into_par_iter().map(count);
+        let mut counts: Vec<usize> = all.filter(|&count| count > 0).collect();
         counts.sort_unstable();
         let mut left = TRIPLES_OF_EDGE * edges.len() + TRIPLES_OF_SCENE;
         let fits = |&count: &usize| {

@@ -85,10 +85,10 @@ impl Arrangement {
                     let shown = cover.iter().map(|&(p, _)| p);
                     let shown = shown.filter(|&p| soup[p as usize].double_sided || facing(p) == way);
                     overlapped |= shown.clone().count() > 1;
-                    let order = |p: u32| (patch_area_m2[&p], soup[p as usize].area_m2, p);
+                    let order = |p: u32| (patch_area_m2[&p], soup[p as usize].area_m2, !soup[p as usize].emits, p);
                     let least = |p: &u32, q: &u32| {
                         let (p, q) = (order(*p), order(*q));
-                        p.0.total_cmp(&q.0).then(p.1.total_cmp(&q.1)).then(p.2.cmp(&q.2))
+                        p.0.total_cmp(&q.0).then(p.1.total_cmp(&q.1)).then((p.2, p.3).cmp(&(q.2, q.3)))
                     };
                     let shows = |p: u32| Shown { surface: soup[p as usize].surface, skin: skins[p as usize] };
                     shown.min_by(least).map(shows)

@@ -151,6 +151,7 @@ mod tests {
                     sources: Vec::new(),
                     area_m2: size_m * size_m,
                     double_sided: false,
+                    emits: false,
                 }
             })
             .collect();

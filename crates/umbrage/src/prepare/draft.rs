@@ -44,22 +44,29 @@ pub struct FaceOrigins {
     pub is_reverse: Table<FaceId, bool>,
 }
 
-/// How much of each surface in each plane looks along the plane's normal and against it, in square metres.
+/// How much of each surface in each plane looks along the plane's normal and against it, in square metres, and whether it emits.
 #[derive(Debug)]
-pub(super) struct Fronts(HashMap<(PlaneId, SurfaceId), [f64; 2]>);
+pub(super) struct Fronts(HashMap<(PlaneId, SurfaceId), ([f64; 2], bool)>);
 
 impl Fronts {
     pub(super) fn new(soup: &[Polygon], planes: &Planes) -> Self {
-        let mut fronts: HashMap<(PlaneId, SurfaceId), [f64; 2]> = HashMap::new();
+        let mut fronts: HashMap<(PlaneId, SurfaceId), ([f64; 2], bool)> = HashMap::new();
         for (polygon, &(plane, facing)) in soup.iter().zip(&planes.of_polygon) {
-            fronts.entry((plane, polygon.surface)).or_default()[side_of(facing)] += polygon.area_m2;
+            let (area_m2, emits) = fronts.entry((plane, polygon.surface)).or_default();
+            area_m2[side_of(facing)] += polygon.area_m2;
+            *emits |= polygon.emits;
         }
         Self(fronts)
     }
 
+    /// How large a surface is in a plane, on both sides, in square metres, and whether it emits.
+    pub(super) fn area_m2(&self, plane: PlaneId, surface: SurfaceId) -> (f64, bool) {
+        self.0.get(&(plane, surface)).map_or((0.0, false), |&(area_m2, emits)| (area_m2.iter().sum(), emits))
+    }
+
     fn is_reverse(&self, plane: PlaneId, surface: SurfaceId, facing: Facing) -> bool {
         let here = side_of(facing);
-        self.0.get(&(plane, surface)).is_some_and(|area_m2| area_m2[here] < area_m2[1 - here])
+        self.0.get(&(plane, surface)).is_some_and(|(area_m2, _)| area_m2[here] < area_m2[1 - here])
     }
 }
 
@@ -102,7 +109,7 @@ impl Draft {
         let mut counted = PrepareReport::default();
         self.pieces =
             convex_pieces(&self.edges, &self.planes, &self.points, &self.frame.tolerance, &mut counted, pulse)?;
-        twins::take_away(&mut self.pieces, &self.planes);
+        twins::take_away(&mut self.pieces, &self.planes, &self.fronts);
         Ok(self)
     }
 }

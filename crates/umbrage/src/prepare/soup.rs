@@ -5,7 +5,8 @@
 //! Holds after: consecutive corners of a polygon differ; a polygon is wider than the weld distance; its corners lie
 //! within the coplanar tolerance of its Newell plane; no two polygons have the same loop of corners.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
+use std::ops::Range;
 
 use glam::DVec3;
 
@@ -32,6 +33,8 @@ pub(super) struct Polygon {
     pub(super) area_m2: f64,
     /// Whether it also has a face at its back.
     pub(super) double_sided: bool,
+    /// Whether it emits: of two in one place it is the one that is shown.
+    pub(super) emits: bool,
 }
 
 impl Polygon {
@@ -48,10 +51,12 @@ impl Polygon {
 
 /// The polygons of a scene.
 pub(super) fn polygons(scene: &Scene, frame: &Frame, points: &mut Points, report: &mut PrepareReport) -> Vec<Polygon> {
-    let mut soup = Vec::new();
-    let mut known = HashSet::new();
+    let mut soup: Vec<Polygon> = Vec::new();
+    // By its corners, where in the soup each polygon is; and which of these are there again, emitting.
+    let mut known: HashMap<Vec<VertexId>, Range<usize>> = HashMap::new();
+    let mut replaced: Vec<Range<usize>> = Vec::new();
     for (surface, s) in scene.surfaces.iter_enumerated() {
-        let double_sided = scene.materials[s.material].double_sided;
+        let (double_sided, emits) = (scene.materials[s.material].double_sided, scene.materials[s.material].emits());
         for number in 0..s.polygons.len() {
             report.polygons += 1;
             let before = points.len();
@@ -59,16 +64,21 @@ pub(super) fn polygons(scene: &Scene, frame: &Frame, points: &mut Points, report
             let corners: Vec<(VertexId, u32)> = s.polygons[number].iter().map(place).collect();
             report.welded_corners += corners.len() - (points.len() - before);
             let (corners, sources): (Vec<VertexId>, Vec<u32>) = without_spikes(corners).into_iter().unzip();
-            let polygon =
-                Polygon { surface, number, area_m2: area_m2(&corners, points), corners, sources, double_sided };
+            let area_m2 = area_m2(&corners, points);
+            let polygon = Polygon { surface, number, area_m2, corners, sources, double_sided, emits };
             let Some(plane) = plane_of(&polygon, points, &frame.tolerance) else {
                 report.degenerate_polygons += 1;
                 continue;
             };
-            if !known.insert(from_least(&polygon.corners)) {
+            let key = from_least(&polygon.corners);
+            if let Some(first) = known.get(&key) {
                 report.duplicate_polygons += 1;
-                continue;
+                if !emits || soup[first.clone()].iter().all(|first| first.emits) {
+                    continue;
+                }
+                replaced.push(first.clone());
             }
+            let start = soup.len();
             let height_m = |&v: &VertexId| plane.signed_distance_m(points[v]).abs();
             let is_plane = polygon.corners.iter().map(height_m).all(|h| h <= frame.tolerance.coplanar_m());
             if is_plane && skin::is_affine(&polygon, s, points) {
@@ -78,8 +88,11 @@ pub(super) fn polygons(scene: &Scene, frame: &Frame, points: &mut Points, report
                 let triangles = triangles(&polygon, &plane, points);
                 soup.extend(triangles.filter(|t| plane_of(t, points, &frame.tolerance).is_some()));
             }
+            known.insert(key, start..soup.len());
         }
     }
+    replaced.sort_unstable_by_key(|range| range.start);
+    replaced.into_iter().rev().for_each(|range| drop(soup.drain(range)));
     soup
 }
 

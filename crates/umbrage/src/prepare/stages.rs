@@ -110,8 +110,8 @@ pub fn draft(scene: &Scene, settings: PrepareSettings, progress: Progress<'_>) -
     let edges = needed::straighten(&edges, &points, &tolerance);
     pulse(5)?;
     let mut pieces = convex_pieces(&edges, &planes, &points, &tolerance, &mut report, || pulse(5))?;
-    report.overlaps += twins::take_away(&mut pieces, &planes);
     let fronts = Fronts::new(&soup, &planes);
+    report.overlaps += twins::take_away(&mut pieces, &planes, &fronts);
     pulse(STEPS)?;
     Ok(Draft { frame, planes, skins: skins.all, points, edges, pieces, fronts, report })
 }

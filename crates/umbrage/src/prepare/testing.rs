@@ -30,6 +30,7 @@ impl Small {
                 corners: corners.iter().map(|&c| points.weld(DVec3::from(c))).collect(),
                 sources: Vec::new(),
                 double_sided: false,
+                emits: false,
             })
             .collect();
         let planes = coplanar::planes(&soup, &points, &TOLERANCE);
