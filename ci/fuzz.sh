@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Builds all fuzz targets and runs each for so many seconds (60), as many at a time as there are processors; some may be left out:
 # ci/fuzz.sh [SECONDS [but TARGET...]].
-# Needs a C++ compiler, for libFuzzer; any Rust compiler will do, since what it instruments is stable and there is no unsafe code of
-# ours for a sanitizer to watch. Findings and the grown corpus are left in target/fuzz.
+# Needs a C++ compiler, for libFuzzer; any Rust compiler will do, since instrumentation is stable and there is no unsafe code of ours
+# for a sanitizer to watch. Findings and the grown corpus are left in target/fuzz.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds=${1:-60}
@@ -34,7 +34,7 @@ if ! command -v c++ >/dev/null; then
     echo "fuzz: there is no C++ compiler (c++): nothing was run"
     exit 0
 fi
-# What cargo-fuzz sets, without a sanitizer: coverage by edges and compared values.
+# The flags of cargo-fuzz without those of a sanitizer: coverage by edges and compared values.
 sancov=-Cllvm-args=-sanitizer-coverage
 export RUSTFLAGS="--cfg fuzzing -Cpasses=sancov-module $sancov-level=4 $sancov-inline-8bit-counters $sancov-pc-table \
 $sancov-trace-compares -Ccodegen-units=1"

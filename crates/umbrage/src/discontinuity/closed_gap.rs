@@ -17,7 +17,7 @@ use super::{DSegment, Degree, Event};
 use crate::geometry::convex;
 use crate::id::{EdgeId, FaceId};
 use crate::prepare::Prepared;
-use crate::visibility::{Placed, Visibility};
+use crate::visibility::Visibility;
 
 /// The contacts of all faces that show light with faces that lie closely over them, as d-segments of degree 0.
 pub(super) fn contacts(
@@ -38,7 +38,7 @@ pub(super) fn contacts(
                 let is_covered = receives(face)
                     && prepared.faces[face].plane != prepared.faces[over].plane
                     && visibility.lie_along([face, over])
-                    && is_before(visibility, [over, face]);
+                    && visibility.placed(over, face).is_before();
                 covered.extend(is_covered.then_some(face));
                 ControlFlow::Continue(())
             },
@@ -65,21 +65,17 @@ pub(super) fn is_across(
     prepared.faces[face].plane != prepared.faces[over].plane
         && ends_m.iter().all(|&end| plane.signed_distance_m(end).abs() <= closed_m)
         && visibility.lie_along([face, over])
-        && is_before(visibility, [over, face])
+        && visibility.placed(over, face).is_before()
 }
 
-/// Whether the first of two faces is before the second.
-fn is_before(visibility: &Visibility, [over, face]: [FaceId; 2]) -> bool {
-    matches!(visibility.placed(over, face), Placed::BeforeWithFront | Placed::BeforeWithBack)
-}
-
-/// Whether the plane of the first of two faces goes on beyond an edge of it, and covers the second there, too: of parts of a plane that
-/// is nearly that of what they cover, some may lie in it.
+/// Whether the plane of the first of two faces goes on beyond an edge of it, and covers the second there, too: where two
+/// planes are nearly one, some parts of the first may lie in the second.
 fn goes_on(prepared: &Prepared, visibility: &Visibility, [over, face]: [FaceId; 2], edge: EdgeId) -> bool {
     let own = &prepared.faces[over];
     let is_next = |&other: &FaceId| {
         let next = &prepared.faces[other];
-        other != over && next.plane == own.plane && next.facing == own.facing && is_before(visibility, [other, face])
+        let goes_on = other != over && next.plane == own.plane && next.facing == own.facing;
+        goes_on && visibility.placed(other, face).is_before()
     };
     prepared.edges[edge].faces.iter().any(is_next)
 }

@@ -10,7 +10,7 @@ use smallvec::SmallVec;
 const STEPS: usize = 64;
 /// A step shorter than this changes nothing: a few times the last bit of numbers up to 1.
 const LAST_BIT: f64 = 4e-16;
-/// What sums of a few terms round, as a share of the terms: a thousand times the last bit.
+/// Rounding of sums of a few terms, as a share of the terms: a thousand times the last bit.
 const ROUNDING: f64 = 2e-13;
 
 /// The roots between 0 and 1 at which a polynomial with these coefficients, of ascending powers, changes sign;
@@ -56,7 +56,7 @@ pub(super) fn roots(coefficients: &[f64]) -> SmallVec<[f64; 4]> {
 }
 
 /// Whether a polynomial is clearly above zero, or clearly below, from 0 to 1: it lies in the hull of its Bernstein coefficients. Most
-/// are, and bisection of their derivatives is long.
+/// are, and the search for roots of their derivatives is long.
 fn keeps_sign(coefficients: &[f64]) -> bool {
     let degree = coefficients.len().saturating_sub(1);
     let rounding = ROUNDING * coefficients.iter().map(|c| c.abs()).sum::<f64>();
@@ -102,7 +102,7 @@ mod tests {
             let values = (0..=1000).map(|i| value(f64::from(i) * 1e-3));
             let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [v.min(low), v.max(high)]);
             prop_assert!(!keeps_sign(&raised) || low > 0.0 || high < 0.0, "{raised:?}");
-            // It is worth something: what is far above zero is told.
+            // It is worth something: polynomials far above zero are told.
             prop_assert!(keeps_sign(&raised) || low < 8.0);
             prop_assert!(keeps_sign(&[4.0, -1.0, 1.0, -1.0]) && keeps_sign(&[-4.0, 3.0]) && !keeps_sign(&[-1.0, 3.0]));
         }

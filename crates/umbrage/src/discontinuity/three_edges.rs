@@ -249,7 +249,7 @@ impl Surroundings<'_> {
                 ends.extend(ruled.meets(direction, [boundary[i], boundary[(i + 1) % boundary.len()]]));
             }
         }
-        // What stops one ray mostly stops the next.
+        // The face that stops one ray mostly stops the next.
         let stopper = Cell::new(None);
         parts(interval, ends, |t| self.receiver_of(&faces, &ruled.ray(t)?, &stopper))
     }

@@ -44,29 +44,46 @@ pub struct FaceOrigins {
     pub is_reverse: Table<FaceId, bool>,
 }
 
-/// How much of each surface in each plane looks along the plane's normal and against it, in square metres, and whether it emits.
+/// Each surface in each plane.
 #[derive(Debug)]
-pub(super) struct Fronts(HashMap<(PlaneId, SurfaceId), ([f64; 2], bool)>);
+pub(super) struct Fronts(HashMap<(PlaneId, SurfaceId), Front>);
+
+/// A surface in a plane.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Front {
+    /// How much of it looks along the plane's normal and against it, in square metres.
+    ways_m2: [f64; 2],
+    /// Whether it emits.
+    pub(super) emits: bool,
+}
+
+impl Front {
+    /// How large it is, both ways.
+    pub(super) fn area_m2(&self) -> f64 {
+        self.ways_m2.iter().sum()
+    }
+}
 
 impl Fronts {
     pub(super) fn new(soup: &[Polygon], planes: &Planes) -> Self {
-        let mut fronts: HashMap<(PlaneId, SurfaceId), ([f64; 2], bool)> = HashMap::new();
+        let mut fronts: HashMap<(PlaneId, SurfaceId), Front> = HashMap::new();
         for (polygon, &(plane, facing)) in soup.iter().zip(&planes.of_polygon) {
-            let (area_m2, emits) = fronts.entry((plane, polygon.surface)).or_default();
-            area_m2[side_of(facing)] += polygon.area_m2;
-            *emits |= polygon.emits;
+            let front = fronts.entry((plane, polygon.surface)).or_default();
+            front.ways_m2[side_of(facing)] += polygon.area_m2;
+            front.emits = polygon.emits;
         }
         Self(fronts)
     }
 
-    /// How large a surface is in a plane, on both sides, in square metres, and whether it emits.
-    pub(super) fn area_m2(&self, plane: PlaneId, surface: SurfaceId) -> (f64, bool) {
-        self.0.get(&(plane, surface)).map_or((0.0, false), |&(area_m2, emits)| (area_m2.iter().sum(), emits))
+    /// A surface in a plane; nothing where it has no polygon there.
+    pub(super) fn of(&self, plane: PlaneId, surface: SurfaceId) -> Front {
+        self.0.get(&(plane, surface)).copied().unwrap_or_default()
     }
 
     fn is_reverse(&self, plane: PlaneId, surface: SurfaceId, facing: Facing) -> bool {
         let here = side_of(facing);
-        self.0.get(&(plane, surface)).is_some_and(|(area_m2, _)| area_m2[here] < area_m2[1 - here])
+        let Front { ways_m2, .. } = self.of(plane, surface);
+        ways_m2[here] < ways_m2[1 - here]
     }
 }
 

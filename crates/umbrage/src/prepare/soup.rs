@@ -5,7 +5,7 @@
 //! Holds after: consecutive corners of a polygon differ; a polygon is wider than the weld distance; its corners lie
 //! within the coplanar tolerance of its Newell plane; no two polygons have the same loop of corners.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use glam::DVec3;
@@ -52,9 +52,9 @@ impl Polygon {
 /// The polygons of a scene.
 pub(super) fn polygons(scene: &Scene, frame: &Frame, points: &mut Points, report: &mut PrepareReport) -> Vec<Polygon> {
     let mut soup: Vec<Polygon> = Vec::new();
-    // By its corners, where in the soup each polygon is; and which of these are there again, emitting.
+    // By its corners, the places of each polygon in the soup; and the places of those that are there again, emitting.
     let mut known: HashMap<Vec<VertexId>, Range<usize>> = HashMap::new();
-    let mut replaced: Vec<Range<usize>> = Vec::new();
+    let mut replaced: HashSet<usize> = HashSet::new();
     for (surface, s) in scene.surfaces.iter_enumerated() {
         let (double_sided, emits) = (scene.materials[s.material].double_sided, scene.materials[s.material].emits());
         for number in 0..s.polygons.len() {
@@ -76,7 +76,7 @@ pub(super) fn polygons(scene: &Scene, frame: &Frame, points: &mut Points, report
                 if !emits || soup[first.clone()].iter().all(|first| first.emits) {
                     continue;
                 }
-                replaced.push(first.clone());
+                replaced.extend(first.clone());
             }
             let start = soup.len();
             let height_m = |&v: &VertexId| plane.signed_distance_m(points[v]).abs();
@@ -91,9 +91,10 @@ pub(super) fn polygons(scene: &Scene, frame: &Frame, points: &mut Points, report
             known.insert(key, start..soup.len());
         }
     }
-    replaced.sort_unstable_by_key(|range| range.start);
-    replaced.into_iter().rev().for_each(|range| drop(soup.drain(range)));
-    soup
+    if replaced.is_empty() {
+        return soup;
+    }
+    soup.into_iter().enumerate().filter(|(place, _)| !replaced.contains(place)).map(|(_, polygon)| polygon).collect()
 }
 
 /// Corners without repeated ones and without there-and-back spikes.

@@ -31,7 +31,6 @@ pub use first::FirstMet;
 pub use index::Visibility;
 pub use lamps::lamps;
 pub use memory::{AtPoints, Memory, Notes};
-pub(crate) use pair::Placed;
 pub use receiver::{BesideJump, NearView, ReceiverPoint};
 pub use screen::Screens;
 pub use shadow::Shadows;

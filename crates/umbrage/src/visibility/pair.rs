@@ -39,6 +39,13 @@ pub(crate) enum Placed {
     Across,
 }
 
+impl Placed {
+    /// Whether it is before the other, with either side.
+    pub(crate) fn is_before(self) -> bool {
+        matches!(self, Self::BeforeWithFront | Self::BeforeWithBack)
+    }
+}
+
 /// The least and greatest height of corners over a plane, in metres.
 fn heights_m(plane: &Plane, corners_m: &[DVec3]) -> [f64; 2] {
     range(corners_m.iter().map(|&corner| plane.signed_distance_m(corner)))
@@ -53,8 +60,8 @@ impl Visibility {
     /// Where `face` lies as seen from `receiver`.
     pub(crate) fn placed(&self, face: FaceId, receiver: FaceId) -> Placed {
         let near_m = self.tolerance().coplanar_m();
-        let over_receiver_m = heights_m(self.near_plane(receiver), self.boundary_m(face));
-        if over_receiver_m[1] <= near_m {
+        let over_receiver_m @ [_, highest_m] = heights_m(self.near_plane(receiver), self.boundary_m(face));
+        if highest_m <= near_m {
             return Placed::Behind;
         }
         if self.lie_along([face, receiver]) {
@@ -69,8 +76,8 @@ impl Visibility {
     }
 
     /// The same of faces that lie along each other, given the least and greatest height of the corners of the one over the other's
-    /// plane, in metres. Where planes cross beside what the two have in common does not matter; what is over the other by no more than
-    /// what counts as its plane does not cover it.
+    /// plane, in metres. Where planes cross beside the part that the two have in common does not matter; a face that is over the other by no
+    /// more than the tolerance of planes does not cover it.
     fn placed_along(&self, face: FaceId, receiver: FaceId, over_receiver_m: [f64; 2]) -> Placed {
         let near_m = self.tolerance().coplanar_m();
         let (plane, own) = (self.near_plane(face), self.near_plane(receiver));
@@ -87,12 +94,17 @@ impl Visibility {
         }
     }
 
-    /// What a face has in common with another that it is dropped onto.
+    /// The ends of each side of a face.
+    fn sides_m(&self, face: FaceId) -> impl Iterator<Item = (DVec3, DVec3)> + '_ {
+        let boundary_m = self.boundary_m(face);
+        boundary_m.iter().copied().zip(boundary_m.iter().copied().cycle().skip(1))
+    }
+
+    /// The part of another face that a face lies over.
     fn common(&self, face: FaceId, receiver: FaceId) -> SmallVec<[DVec3; 8]> {
-        let (normal, boundary_m) = (self.near_plane(face).normal, self.boundary_m(face));
-        let sides = boundary_m.iter().zip(boundary_m.iter().cycle().skip(1));
+        let normal = self.near_plane(face).normal;
         let all = self.boundary_m(receiver).iter().copied().collect();
-        sides.fold(all, |left: SmallVec<[DVec3; 8]>, (&a, &b)| {
+        self.sides_m(face).fold(all, |left: SmallVec<[DVec3; 8]>, (a, b)| {
             clip::where_not_negative(&left, |p: DVec3| normal.dot((b - a).cross(p - a)))
         })
     }
@@ -125,9 +137,7 @@ impl Visibility {
     /// edge are rounded.
     pub(super) fn is_over(&self, face: FaceId, point_m: DVec3) -> bool {
         let (normal, slack_m) = (self.near_plane(face).normal, self.tolerance().coplanar_m());
-        let boundary_m = self.boundary_m(face);
-        let next = boundary_m.iter().cycle().skip(1);
-        boundary_m.iter().zip(next).all(|(&a, &b)| {
+        self.sides_m(face).all(|(a, b)| {
             let side = b - a;
             normal.dot(side.cross(point_m - a)) >= -slack_m * side.length()
         })
@@ -165,7 +175,7 @@ impl Visibility {
                 let lies_over = self.plane(face) != self.plane(own)
                     && self.lie_along([face, own])
                     && heights_m(self.near_plane(own), self.boundary_m(face))[0] <= closed_m
-                    && matches!(self.placed(face, own), Placed::BeforeWithFront | Placed::BeforeWithBack);
+                    && self.placed(face, own).is_before();
                 over.extend(lies_over.then_some(face));
                 ControlFlow::Continue(())
             },
